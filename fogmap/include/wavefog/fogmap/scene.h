@@ -1,0 +1,80 @@
+// Scene files (JSON, strict keys): camera, terrain, meshes, sky and fogs.
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "wavefog/fogmap/fog.h"
+#include "wavefog/fogmap/image.h"
+
+namespace wavefog {
+
+/// Depth conventions and projections. Distances in metres.
+struct Camera {
+    enum class Projection { perspective, orthographic };
+    enum class Depth { standard, reversed };
+    Projection projection = Projection::perspective;
+    Depth depth = Depth::standard;
+    Eigen::Vector3d eye{0, 2, 0};
+    Eigen::Vector3d target{0, 2, -1};
+    Eigen::Vector3d up{0, 1, 0};
+    double fov_y_deg = 50;
+    double ortho_height = 100;  ///< full height of the view volume, metres
+    double near_plane = 0.1;
+    double far_plane = 4000;  ///< may be infinity (JSON: "infinite") for perspective
+    Eigen::Vector2d lens_shift{0, 0};  ///< off-axis: shift of the image plane in units of its half size
+};
+
+struct Sun {
+    Eigen::Vector3d direction{0.4, 0.8, 0.2};  ///< towards the sun, normalised on load
+    Eigen::Vector3d colour{1, 1, 1};
+};
+
+struct Terrain {
+    std::filesystem::path heightmap;
+    Rect rect;
+    double height_min = 0, height_max = 0;  ///< metres for the picture's 0 and 1 (or its min and max)
+};
+
+struct MeshInstance {
+    std::filesystem::path file;  ///< glTF (.glb, .gltf) or OBJ
+    Eigen::Vector3d translate{0, 0, 0};
+    double scale = 1;
+    double rotate_y_deg = 0;
+    bool on_terrain = false;  ///< translate.y is measured from the terrain
+};
+
+enum class MethodKind { reference, exact, march, homogeneous };
+
+struct Method {
+    MethodKind kind = MethodKind::exact;
+    int samples = 32;  ///< march:N
+    double mu = 1;     ///< [0,1], paper 004 eq. 12
+    std::string name() const;
+};
+/// Parses "exact", "march:32", ...; a usage error lists what there is.
+Result<Method> parse_method(const std::string& text);
+
+struct Scene {
+    int width = 800, height = 600;
+    Camera camera;
+    Eigen::Vector3d sky{0.55, 0.65, 0.8};  ///< linear colour
+    Sun sun;
+    std::optional<Terrain> terrain;
+    std::vector<MeshInstance> meshes;
+    Eigen::Vector3d fog_colour{0.8, 0.82, 0.85};
+    std::vector<Fog> fogs;
+    Method method;
+};
+
+/// Reads a scene and every fog in it; paths are relative to the scene file. Errors name the key
+/// ("scene.json: fog[0].height.scale: ...").
+Result<Scene> load_scene(const std::filesystem::path& file);
+
+/// The fog of a file that may be a scene, a fog file or an image.
+Result<std::vector<Fog>> load_fogs(const std::filesystem::path& file);
+
+}  // namespace wavefog

@@ -1,0 +1,75 @@
+// The fog post-process: scene colour + depth in, fogged colour or optical depth out.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "wavefog/fogmap/scene.h"
+#include "wavefog/gpu/frame.h"
+
+namespace wavefog {
+
+/// Textures of one fog on the GPU.
+class FogTextures {
+  public:
+    static Result<FogTextures> create(const Gl& gl, const Fog& fog);
+    FogTextures(FogTextures&&) noexcept;
+    FogTextures& operator=(FogTextures&&) noexcept;
+    ~FogTextures();
+    std::size_t bytes() const;  ///< held on the GPU
+
+  private:
+    friend class FogPass;
+    struct Impl;
+    explicit FogTextures(std::unique_ptr<Impl> impl);
+    std::unique_ptr<Impl> impl_;
+};
+
+/// Draws one or more fogs over a frame with one method. MethodKind::reference is not a GPU method.
+class FogPass {
+  public:
+    /// Compiles the programs that `method` needs for these fogs (they stay the caller's).
+    static Result<FogPass> create(const Gl& gl, std::vector<const FogTextures*> fogs,
+                                  const Method& method, const Eigen::Vector3d& fog_colour);
+    FogPass(FogPass&&) noexcept;
+    FogPass& operator=(FogPass&&) noexcept;
+    ~FogPass();
+
+    /// L = T L_scene + (1 - T) L_fog (paper 004, eq. 4) into `output` (RGBA16F or RGBA32F colour).
+    void draw_colour(const FrameTarget& frame, const Camera& camera, GLuint output_framebuffer,
+                     double seconds = 0);
+    /// The sum of the fogs' optical depths into a R32F target.
+    void draw_optical_depth(const FrameTarget& frame, const Camera& camera, GLuint output_framebuffer,
+                            double seconds = 0);
+
+  private:
+    struct Impl;
+    explicit FogPass(std::unique_ptr<Impl> impl);
+    std::unique_ptr<Impl> impl_;
+};
+
+/// The fog shader compiled as C++ (the same GLSL text through GLM), in float32, for one fog: what
+/// `probe` prints and what the CPU tests check. Not for MethodKind::reference.
+class ShaderOnCpu {
+  public:
+    ShaderOnCpu(const Fog& fog, const Method& method);
+    ShaderOnCpu(ShaderOnCpu&&) noexcept;
+    ~ShaderOnCpu();
+    double optical_depth(const Eigen::Vector3d& o, const Eigen::Vector3d& p) const;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// World-space ray of every pixel, as the pass sees it, from the same depth values (row 0 at the
+/// top): what a CPU method needs to draw the same picture. `sky` pixels have no end point.
+struct PixelRay {
+    Eigen::Vector3d origin;
+    Eigen::Vector3d end;        ///< surface point; for sky: origin + unit direction
+    bool sky = false;
+};
+PixelRay pixel_ray(const CameraMatrices& matrices, const Camera& camera, int width, int height,
+                   int x, int y_from_top, double depth);
+
+}  // namespace wavefog
