@@ -9,9 +9,15 @@
 namespace wavefog {
 
 /// A current OpenGL context with its functions. Made current on creation, on the creating thread.
+/// Objects made with gl() must be destroyed before it; they keep a pointer to the table.
 class Context {
   public:
+    Context() = default;
+    Context(const Context&) = delete;
+    Context& operator=(const Context&) = delete;
     virtual ~Context() = default;
+    /// Makes it current again on the calling thread, after another context was.
+    virtual Result<void> make_current() = 0;
     virtual GetProcAddress loader() const = 0;
     virtual std::string name() const = 0;  ///< "osmesa", "egl"
     const Gl& gl() const { return gl_; }
@@ -24,7 +30,9 @@ class Context {
 };
 
 /// "osmesa" (default: 4.5 core on llvmpipe, no display, no GPU) or "egl" (headless GPU, where a
-/// driver is found at run time). A usage error for other names, a data error if none can be made.
+/// driver is found; hardware before software). libOSMesa and libEGL are opened at run time, so
+/// neither is needed by a program that brings its own context. A usage error for other names, a
+/// data error that names the missing library or driver if no context can be made.
 Result<std::unique_ptr<Context>> create_context(const std::string& name = "osmesa");
 
 }  // namespace wavefog

@@ -1,5 +1,5 @@
-// OpenGL functions, loaded through a getProcAddress that the caller supplies, so that an engine uses
-// the library inside its own context.
+// OpenGL functions, loaded through a getProcAddress that the caller supplies, so that an engine
+// uses the library inside its own context.
 #pragma once
 
 #include <GL/glcorearb.h>

@@ -1,0 +1,20 @@
+// The fog shader's maths in C++, one function a (basis, profile, wrap) variant.
+#pragma once
+
+#include "glsl_in_cpp.h"
+
+namespace wavefog::shader {
+
+/// A FogRay (shaders/fog_ray.glsl) without the variant's namespace.
+struct Ray {
+    vec2 origin{0}, slope{0};
+    float eta = 0, rise = 0, metres = 0, passed = 0, last = 1;
+};
+
+enum class Evaluation { exact, march, homogeneous };
+
+/// Optical depth of the ray with the uniforms of this thread. degree 0..2, profile as FOG_PROFILE.
+float evaluate(int degree, int profile, bool repeat, Evaluation evaluation, const Ray& ray,
+               int samples);
+
+}  // namespace wavefog::shader

@@ -1,0 +1,74 @@
+// Enough of GLSL in C++ (on GLM) to compile the fog shaders' maths as it stands.
+#pragma once
+
+#include <cmath>
+#include <glm/glm.hpp>
+#include <vector>
+
+namespace wavefog::shader {
+
+using glm::abs;
+using glm::ceil;
+using glm::clamp;
+using glm::exp;
+using glm::floor;
+using glm::ivec2;
+using glm::ivec4;
+using glm::length;
+using glm::max;
+using glm::min;
+using glm::mix;
+using glm::vec2;
+using glm::vec3;
+using glm::vec4;
+
+#include "fog_block.glsl"
+
+/// A texture in memory: `channels` floats a texel, missing ones read as 0.
+struct sampler2D {
+    const float* texels = nullptr;
+    int width = 0, height = 0, channels = 1;
+    bool repeat = false;
+    bool linear = false;
+
+    float at(int x, int y, int c) const {
+        if (repeat) {
+            x = ((x % width) + width) % width;
+            y = ((y % height) + height) % height;
+        } else if (x < 0 || y < 0 || x >= width || y >= height) {
+            return 0;
+        }
+        return texels[(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                       static_cast<std::size_t>(x)) *
+                          static_cast<std::size_t>(channels) +
+                      static_cast<std::size_t>(c)];
+    }
+};
+
+inline vec4 texelFetch(const sampler2D& s, ivec2 p, int) {
+    vec4 texel(0.0f);
+    for (int c = 0; c < s.channels; ++c) texel[c] = s.at(p.x, p.y, c);
+    return texel;
+}
+
+/// GL_LINEAR or GL_NEAREST with a zero border or GL_REPEAT; first channel only.
+inline vec4 texture(const sampler2D& s, vec2 p) {
+    const float x = p.x * static_cast<float>(s.width), y = p.y * static_cast<float>(s.height);
+    if (!s.linear) {
+        return vec4(s.at(static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)), 0), 0, 0,
+                    1);
+    }
+    const float fx = std::floor(x - 0.5f), fy = std::floor(y - 0.5f);
+    const float u = x - 0.5f - fx, v = y - 0.5f - fy;
+    const int i = static_cast<int>(fx), j = static_cast<int>(fy);
+    const float low = (1 - u) * s.at(i, j, 0) + u * s.at(i + 1, j, 0);
+    const float high = (1 - u) * s.at(i, j + 1, 0) + u * s.at(i + 1, j + 1, 0);
+    return vec4((1 - v) * low + v * high, 0, 0, 1);
+}
+
+/// The shader's uniforms: one set a thread.
+inline thread_local FogBlock fog;
+inline thread_local sampler2D fog_cells;
+inline thread_local sampler2D fog_map;
+
+}  // namespace wavefog::shader

@@ -1,0 +1,42 @@
+// Uniform blocks of the fog pass. One definition: GLSL reads it as std140 blocks, C++ (with GLM) as
+// structs. Every member is a vec4, an ivec4 or an array of them, so both layouts are the same.
+#define FOG_MAX_LEVELS 16
+
+#ifdef __cplusplus
+struct FogBlock {
+#else
+layout(std140) uniform FogBlock {
+#endif
+    ivec4 base;                    // xy: finest cell (u, v) that the eye's fraction counts from; z: J
+    vec4 eye;                      // xy: eye in finest cells from `base`; z: eye's height eta
+    vec4 scale;                    // xy: finest cells per metre; z: eta per metre; w: extinction of
+                                   // density 1 in the cell texture, 1/m
+    vec4 limit;                    // x: optical depth at which a walk stops; y: mean density;
+                                   // z: longest sky ray, m
+    ivec4 size;                    // xy: finest cells of the box (or of one period); zw: map pixels
+    ivec4 level[FOG_MAX_LEVELS];   // l: xy first texel in the atlas, zw cells
+    vec4 reach[FOG_MAX_LEVELS];    // l: x = mu^l (paper 004, eq. 12), fraction of |OP|
+#ifdef __cplusplus
+};
+#else
+} fog;
+#endif
+
+// The eye's rays. A clip-space point (x, y, depth, 1) comes back to camera-relative world metres as
+// the homogeneous point (1 - depth) * near(x, y) + depth * far(x, y): no cancellation at any depth
+// convention, unlike one inverse matrix applied to 2 * depth - 1.
+#ifdef __cplusplus
+struct ViewBlock {
+#else
+layout(std140) uniform ViewBlock {
+#endif
+    vec4 pixel;          // xy: 2 / size in pixels; z: depth of the sky; w: 1 if orthographic
+    vec4 depth0[3];      // homogeneous point at depth 0: [0] x + [1] y + [2]
+    vec4 depth1[3];      // the same at depth 1
+    vec4 fog_colour;     // rgb, linear
+    ivec4 samples;       // x: N of march:N
+#ifdef __cplusplus
+};
+#else
+} view;
+#endif

@@ -1,0 +1,83 @@
+// The fog post-process for one fog: depth (and colour) in, fogged colour or optical depth out.
+// Defines: FOG_DEGREE, FOG_PROFILE, FOG_REPEAT, FOG_METHOD; FOG_OUTPUT_TAU writes optical depth
+// instead of colour; FOG_PREVIOUS_TAU adds the optical depth of the fogs drawn before.
+// Blend: L = T L_scene + (1 - T) L_fog (paper 004, eq. 4), linear colours.
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+
+#define FOG_METHOD_EXACT 0
+#define FOG_METHOD_MARCH 1
+#define FOG_METHOD_HOMOGENEOUS 2
+#define FOG_MAX_STEPS 65536
+
+#include "fog_block.glsl"
+
+uniform sampler2D fog_cells;       // atlas of cell polynomials
+uniform sampler2D fog_map;         // the map itself, for march:N
+uniform sampler2D scene_depth;
+uniform sampler2D scene_colour;
+uniform sampler2D previous_tau;
+
+#include "fog_ray.glsl"
+#include "fog_cell.glsl"
+#include "fog_exact.glsl"
+#include "fog_baselines.glsl"
+
+layout(location = 0) out vec4 result;
+
+float optical_depth(vec2 pixel, float depth) {
+    vec2 ndc = pixel * view.pixel.xy - 1.0f;
+    vec4 front = view.depth0[0] * ndc.x + view.depth0[1] * ndc.y + view.depth0[2];
+    vec4 back = view.depth1[0] * ndc.x + view.depth1[1] * ndc.y + view.depth1[2];
+    vec4 surface = front * (1.0f - depth) + back * depth;
+    bool sky = depth == view.pixel.z;
+
+    vec3 start = vec3(0.0f);
+    vec3 path;
+    if (view.pixel.w != 0.0f) {
+        vec4 near_point = view.pixel.z == 0.0f ? back : front;
+        vec4 far_point = view.pixel.z == 0.0f ? front : back;
+        start = near_point.xyz;
+        path = (sky ? far_point.xyz : surface.xyz) - start;
+    } else {
+        path = sky ? surface.xyz : surface.xyz / surface.w;
+    }
+    float metres = length(path);
+    if (sky) {
+        path /= metres;
+        metres = 1.0f;
+    }
+    FogRay ray;
+    ray.origin = fog.eye.xy + start.xz * fog.scale.xy;
+    ray.slope = path.xz * fog.scale.xy;
+    ray.eta = fog.eye.z + start.y * fog.scale.z;
+    ray.rise = path.y * fog.scale.z;
+    ray.metres = metres;
+    ray.passed = 0.0f;
+    ray.last = 1.0f;
+    if (sky) {
+        ray = fog_sky_ray(ray);
+    }
+#if FOG_METHOD == FOG_METHOD_EXACT
+    return fog_exact(ray);
+#elif FOG_METHOD == FOG_METHOD_MARCH
+    return fog_march(ray, view.samples.x);
+#else
+    return fog_homogeneous(ray);
+#endif
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    float tau = optical_depth(gl_FragCoord.xy, texelFetch(scene_depth, pixel, 0).x);
+#ifdef FOG_PREVIOUS_TAU
+    tau += texelFetch(previous_tau, pixel, 0).x;
+#endif
+#ifdef FOG_OUTPUT_TAU
+    result = vec4(tau, 0.0f, 0.0f, 1.0f);
+#else
+    vec4 colour = texelFetch(scene_colour, pixel, 0);
+    result = vec4(mix(colour.rgb, view.fog_colour.rgb, fog_opacity(tau)), colour.a);
+#endif
+}

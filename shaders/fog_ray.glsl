@@ -1,0 +1,71 @@
+// A view ray in the fog's own coordinates, and where it meets fog. Compiles as GLSL and as C++ (GLM).
+//
+// The ray is parametrised by t: t = 0 at `origin`, and |OP| metres of path per unit of t. All other
+// quantities are per unit of t, so the walk needs no square root and no world coordinate.
+// eta is the height in units of the profile: slab 0 (bottom) .. 1 (top), exponential (y - base) / scale,
+// linear 0 (base) .. 1 (top).
+
+// FOG_PROFILE
+#define FOG_UNIFORM 0
+#define FOG_SLAB 1
+#define FOG_EXPONENTIAL 2
+#define FOG_LINEAR 3
+
+#define FOG_FAR 1.0e30f
+
+// Above 40 scale heights the exponential profile is below 5e-18 and the walk need not go.
+#define FOG_ETA_MAX 40.0f
+
+struct FogRay {
+    vec2 origin;   // finest cells from fog.base
+    vec2 slope;    // finest cells per unit t
+    float eta;     // height at t = 0
+    float rise;    // eta per unit t
+    float metres;  // path length per unit t: |OP|
+    float passed;  // fraction of |OP| that lies before t = 0 (0 unless the ray was re-based)
+    float last;    // t of the end point
+};
+
+// The part [x, y] of the range where low <= origin + slope * t <= high.
+vec2 fog_clip_axis(vec2 range, float origin, float slope, float low, float high) {
+    if (slope == 0.0f) {
+        return origin >= low && origin < high ? range : vec2(0.0f, -1.0f);
+    }
+    float a = (low - origin) / slope;
+    float b = (high - origin) / slope;
+    return vec2(max(range.x, min(a, b)), min(range.y, max(a, b)));
+}
+
+// Clips to the map's box (not when it repeats) and to the support of the height profile.
+vec2 fog_clip(FogRay ray, vec2 range) {
+#ifndef FOG_REPEAT
+    vec2 low = -vec2(float(fog.base.x), float(fog.base.y));
+    vec2 high = low + vec2(float(fog.size.x), float(fog.size.y));
+    range = fog_clip_axis(range, ray.origin.x, ray.slope.x, low.x, high.x);
+    range = fog_clip_axis(range, ray.origin.y, ray.slope.y, low.y, high.y);
+#endif
+#if FOG_PROFILE == FOG_SLAB
+    range = fog_clip_axis(range, ray.eta, ray.rise, 0.0f, 1.0f);
+#elif FOG_PROFILE == FOG_LINEAR
+    range = fog_clip_axis(range, ray.eta, ray.rise, -FOG_FAR, 1.0f);
+#endif
+    return range;
+}
+
+// The ray of a sky pixel, given per metre: rescaled so that t = 1 at the far end of the map, or at the
+// longest sky ray where the fog has no end in this direction.
+FogRay fog_sky_ray(FogRay per_metre) {
+    FogRay ray = per_metre;
+    vec2 range = fog_clip(ray, vec2(0.0f, fog.limit.z));
+    float end = max(range.y, 0.0f);
+    ray.slope = ray.slope * end;
+    ray.rise = ray.rise * end;
+    ray.metres = end;
+    return ray;
+}
+
+// 1 - exp(-tau) without cancellation for thin fog.
+float fog_opacity(float tau) {
+    return tau < 0.03f ? tau * (1.0f - tau * (0.5f - tau * ((1.0f / 6.0f) - tau * (1.0f / 24.0f))))
+                       : 1.0f - exp(-tau);
+}
