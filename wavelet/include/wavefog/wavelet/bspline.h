@@ -1,4 +1,5 @@
-// Causal B-splines phi_d of any degree d: support [0, d + 1], integer knots, sum_k phi_d(x - k) = 1.
+// Causal B-splines phi_d of any degree d: support [0, d + 1], integer knots, sum_k phi_d(x - k)
+// = 1.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,8 +17,8 @@ double bspline_integral(int degree, double x);
 /// t in [0, 1]. Size (d + 1) x (d + 1).
 Eigen::MatrixXd bspline_pieces(int degree);
 
-/// Two-scale relation phi_d(x) = sum_k p_k phi_d(2x - k), p_k = 2^-d C(d + 1, k), k = 0..d+1; sum 2.
-/// (paper 004, eq. 6)
+/// Two-scale relation phi_d(x) = sum_k p_k phi_d(2x - k), p_k = 2^-d C(d + 1, k), k = 0..d+1;
+/// sum 2. (paper 004, eq. 6)
 std::vector<double> two_scale(int degree);
 
 }  // namespace wavefog

@@ -12,7 +12,8 @@ namespace wavefog {
 /// `out` has (d + 1)^2 entries. Cell (cx, cz) is [cx, cx+1] x [cz, cz+1] in the band's own units.
 /// With Boundary::repeat the band's indices wrap.
 template <class T>
-void cell_polynomial(const Band<T>& band, int degree, Boundary boundary, int cx, int cz, double* out);
+void cell_polynomial(const Band<T>& band, int degree, Boundary boundary, int cx, int cz,
+                     double* out);
 
 /// Polynomials of cells [0, cells_x) x [0, cells_z), row-major, (d+1)^2 floats a cell.
 std::vector<float> cell_polynomials(const Band<float>& band, int degree, Boundary boundary,
@@ -20,7 +21,13 @@ std::vector<float> cell_polynomials(const Band<float>& band, int degree, Boundar
 
 /// Mean of rho over the segment (u0,v0) -> (u1,v1) inside one cell, in closed form; multiply by the
 /// segment's length for the integral. Finite for a segment of length 0.
-double segment_mean(const double* polynomial, int degree, double u0, double v0, double u1, double v1);
+double segment_mean(const double* polynomial, int degree, double u0, double v0, double u1,
+                    double v1);
+
+/// Mean of the tensor B-spline phi_d(u) phi_d(v) over the segment (u0,v0) -> (u1,v1) anywhere in
+/// the plane, split at the knots and in closed form between them; multiply by the length for the
+/// integral. A segment of length 0 has the value at its point.
+double bspline_segment_mean(int degree, double u0, double v0, double u1, double v1);
 
 /// Nodes in (0, 1) and weights (sum 1) of the n-point Gauss-Legendre rule, n = 1..64: exact to
 /// degree 2n - 1.

@@ -9,8 +9,8 @@
 
 namespace wavefog {
 
-/// Details of one level. Form::wavelet uses the three wavelet bands, whose functions are products of
-/// the level's coarse phi and psi (first factor along x, second along z, paper 004 section 3.2);
+/// Details of one level. Form::wavelet uses the three wavelet bands, whose functions are products
+/// of the level's coarse phi and psi (first factor along x, second along z, paper 004 section 3.2);
 /// Form::scaling uses `residual` alone, coefficients of scaling functions of the finer grid.
 template <class T>
 struct Detail {
@@ -20,8 +20,8 @@ struct Detail {
     Band<T> residual;  ///< r = c_finer - P a (stability.md, conclusion 1)
 };
 
-/// Levels are numbered as in the paper: l = 0 is the approximation, l = 1..J the details from coarse
-/// to fine; `details[l - 1]` holds level l.
+/// Levels are numbered as in the paper: l = 0 is the approximation, l = 1..J the details from
+/// coarse to fine; `details[l - 1]` holds level l.
 ///
 /// Coordinates: the finest map c has indices 0..width-1, 0..height-1 and the field is
 ///     f(u, v) = sum c(i, j) phi(u - i) phi(v - j),   phi = causal B-spline, support [0, d + 1].
@@ -74,8 +74,8 @@ template <class T>
 Result<Decomposition<T>> decompose(const Grid<T>& map, const Family& family, int levels,
                                    Form form = Form::wavelet, Boundary boundary = Boundary::zero);
 
-/// The finest map; the inverse of decompose up to rounding (float: 16 * 2^-24 of the maximum for the
-/// default families).
+/// The finest map; the inverse of decompose up to rounding (float: 16 * 2^-24 of the maximum for
+/// the default families).
 template <class T>
 Grid<T> reconstruct(const Decomposition<T>& decomposition);
 
@@ -90,5 +90,13 @@ Pyramid<T> approximations(const Decomposition<T>& decomposition);
 /// The largest number of levels that gains anything: ceil(log2(max side)) with zero extension; with
 /// repeat, how often both sides halve evenly.
 int max_levels(int width, int height, Boundary boundary);
+
+/// The same for a family, the cap that decompose() uses. Chui-Wang with zero extension stops where
+/// no coarse B-spline fits into the shorter side: floor((n - d) / 2) of n are left on each level,
+/// so a side of at most d + 1 pixels allows no level at all.
+int max_levels(const Family& family, int width, int height, Boundary boundary);
+
+/// What to tell a user who asked for more levels than Decomposition::levels(); empty if not capped.
+std::string level_cap_message(int requested, int used, int width, int height);
 
 }  // namespace wavefog

@@ -3,16 +3,21 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "wavefog/wavelet/result.h"
 
 namespace wavefog {
 
+/// The highest spline degree of a family: the Gram matrices of the banded solves reach a condition
+/// number of 1e6 there, so a double still keeps 10 digits.
+inline constexpr int max_degree = 15;
+
 /// A way to choose the coarse approximation (and, with it, the wavelet) of a B-spline of a degree.
 /// Synthesis is always a B-spline of that degree.
 struct Family {
     enum class Kind {
-        cdf,        ///< Biorthogonal Cohen-Daubechies-Feauveau N,Nt with N = degree + 1; Nt = 0: lazy.
+        cdf,  ///< Biorthogonal Cohen-Daubechies-Feauveau N,Nt with N = degree + 1; Nt = 0: lazy.
         chui_wang,  ///< Finite-interval semi-orthogonal (L2 projection by banded solves).
         positive,   ///< Restriction (1,1)/2 at even, (1,2,1)/4 at odd degree; scaling form only.
     };
@@ -29,6 +34,8 @@ struct Family {
     /// Growth of the condition number per level: 1.47 (3,1), 1.77 (4,2), 1.15 (4,4), 1.41 (2,0),
     /// 1 for stable families (stability.md 1.3).
     double condition_growth() const;
+    /// What to tell the user of an unstable family, naming the growth; empty for a stable one.
+    std::string warning() const;
 };
 
 /// The two forms of a decomposition (paper 004, 4.2 and 4.4).
@@ -41,7 +48,11 @@ enum class Form {
 /// Chui-Wang from degree 4 on.
 Family default_family(int degree, Form form);
 
-/// Parses "2,2", "chui-wang", "positive" for splines of `degree`; a usage error lists what there is.
+/// All families of a degree, the CDF pairs first.
+std::vector<Family> families(int degree);
+
+/// Parses "2,2", "chui-wang", "positive" for splines of `degree`; a usage error lists what there
+/// is.
 Result<Family> parse_family(std::string_view text, int degree);
 
 /// "haar", "linear", "quadratic", "cubic" or "degree-N" and back.
