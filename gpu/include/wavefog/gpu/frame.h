@@ -1,6 +1,7 @@
 // A rendered scene that the fog pass reads: linear colour and 32-bit float depth.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "wavefog/fogmap/image.h"
@@ -17,10 +18,12 @@ struct FrameTarget {
     Framebuffer framebuffer;
 };
 
+/// `framebuffer` is empty if the driver cannot hold the size (GL_MAX_TEXTURE_SIZE, memory).
 FrameTarget make_frame_target(const Gl& gl, int width, int height);
 
 /// Camera matrices in double. Clip depth is mapped to [0,1] with glClipControl(GL_LOWER_LEFT,
-/// GL_ZERO_TO_ONE), so `depth` textures hold clip z / w; reversed and infinite planes keep precision.
+/// GL_ZERO_TO_ONE), so `depth` textures hold clip z / w; reversed and infinite planes keep
+/// precision.
 struct CameraMatrices {
     Eigen::Matrix4d view;        ///< world -> view, view looks along -z
     Eigen::Matrix4d projection;  ///< view -> clip, z in [0,1]
@@ -28,14 +31,18 @@ struct CameraMatrices {
 };
 CameraMatrices camera_matrices(const Camera& camera, int width, int height);
 
-/// Draws terrain, meshes and sky of a scene.
+/// Draws terrain, meshes and sky of a scene with its sun, all static: what does not depend on the
+/// camera (smooth normals, ambient occlusion, sun visibility, shadow map) is computed once.
+/// World coordinates may be large: the eye is subtracted in double before anything is a float.
 class SceneRenderer {
   public:
+    /// A data error names the height map or mesh file that cannot be read.
     static Result<SceneRenderer> create(const Gl& gl, const Scene& scene);
     SceneRenderer(SceneRenderer&&) noexcept;
     SceneRenderer& operator=(SceneRenderer&&) noexcept;
     ~SceneRenderer();
 
+    /// Sets the viewport, depth and clip-control state that it needs; leaves `target` bound.
     void draw(const FrameTarget& target, const Camera& camera) const;
 
   private:
@@ -45,6 +52,7 @@ class SceneRenderer {
 };
 
 /// Reads a texture back, row 0 at the top. `channels` 1 or 4; depth textures give 1.
-Image read_texture(const Gl& gl, GLuint texture, int width, int height, int channels, bool depth = false);
+Image read_texture(const Gl& gl, GLuint texture, int width, int height, int channels,
+                   bool depth = false);
 
 }  // namespace wavefog
