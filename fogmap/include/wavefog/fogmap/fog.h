@@ -9,6 +9,12 @@
 
 namespace wavefog {
 
+/// Splines of a higher degree are refused: their B-splines are flat and wide, and no picture needs
+/// them.
+inline constexpr int kMaxDegree = 15;
+/// Levels of an "auto" decomposition: finer steps than 32 cells gain nothing for the renderer.
+inline constexpr int kAutoLevels = 5;
+
 /// World rectangle of the picture's outer edges, metres. Image column i grows along +x, row j
 /// along +z.
 struct Rect {
@@ -55,11 +61,13 @@ struct FogOptions {
     int degree = 1;
     std::string family;  ///< empty: default_family(degree, form)
     Form form = Form::wavelet;
-    int levels = -1;  ///< -1: auto, max_levels capped at 5
+    int levels = -1;  ///< -1: auto, max_levels capped at kAutoLevels
     Boundary boundary = Boundary::zero;
 };
 
-/// Decomposes a map of non-negative coefficients. `map` as read by read_fogmap.
+/// Decomposes a map of finite, non-negative coefficients, as read by read_fogmap (a data error
+/// names the first pixel that is not). The rectangle is one metre a pixel until the caller sets
+/// another.
 Result<Fog> make_fog(const Grid<float>& map, const FogOptions& options);
 
 }  // namespace wavefog

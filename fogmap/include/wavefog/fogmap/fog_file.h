@@ -23,7 +23,8 @@ struct SaveOptions {
 Result<void> save_fog(const std::filesystem::path& file, const Fog& fog, const SaveOptions& = {});
 Result<Fog> load_fog(const std::filesystem::path& file);
 
-/// True if the extension is that of a fog file and the file is one (an ordinary .exr picture is not).
+/// True if the extension is that of a fog file and the file is one (an ordinary .exr picture is
+/// not).
 bool is_fog_file(const std::filesystem::path& file);
 
 }  // namespace wavefog

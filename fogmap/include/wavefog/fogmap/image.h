@@ -12,20 +12,21 @@
 namespace wavefog {
 
 struct ReadOptions {
-    std::optional<std::string> channel;  ///< "R", "G", "B", "A", "Y" or a number; default: luminance
-    bool sanitize = false;               ///< NaN, Inf and negative pixels become 0 and are counted
+    std::optional<std::string>
+        channel;            ///< "R", "G", "B", "A", "Y" or a number; default: luminance
+    bool sanitize = false;  ///< NaN, Inf and negative pixels become 0 and are counted
     std::size_t max_bytes = std::size_t{4} << 30;  ///< refuse larger maps (as float) before reading
 };
 
 struct Fogmap {
-    Grid<float> pixels;          ///< >= 0, finite; integer images mapped to [0,1]
-    std::size_t sanitized = 0;   ///< how many pixels were replaced
-    std::string source_format;   ///< e.g. "png uint8, 1 channel"
+    Grid<float> pixels;         ///< >= 0, finite; integer images mapped to [0,1]
+    std::size_t sanitized = 0;  ///< how many pixels were replaced
+    std::string source_format;  ///< e.g. "png uint8, 1 channel"
 };
 
-/// Reads any image OpenImageIO reads as a fogmap. Colour becomes Rec. 709 luminance unless a channel
-/// is chosen; alpha is ignored; palettes are expanded. A data error names the file, the pixel and
-/// the remedy (NaN, Inf, negative, unreadable, truncated, too large, no pixels).
+/// Reads any image OpenImageIO reads as a fogmap. Colour becomes Rec. 709 luminance unless a
+/// channel is chosen; alpha is ignored; palettes are expanded. A data error names the file, the
+/// pixel and the remedy (NaN, Inf, negative, unreadable, truncated, too large, no pixels).
 Result<Fogmap> read_fogmap(const std::filesystem::path& file, const ReadOptions& options = {});
 
 /// An interleaved float image, row 0 at the top.
@@ -33,7 +34,9 @@ struct Image {
     int width = 0, height = 0, channels = 0;
     std::vector<float> pixels;
     float& at(int x, int y, int c) {
-        return pixels[(std::size_t(y) * std::size_t(width) + std::size_t(x)) * std::size_t(channels) + std::size_t(c)];
+        return pixels[(std::size_t(y) * std::size_t(width) + std::size_t(x)) *
+                          std::size_t(channels) +
+                      std::size_t(c)];
     }
     const float& at(int x, int y, int c) const { return const_cast<Image*>(this)->at(x, y, c); }
 };

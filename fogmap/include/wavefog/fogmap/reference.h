@@ -10,20 +10,27 @@
 namespace wavefog {
 
 /// Integrates extinction along segments. Clips to the map and the height profile, splits at every
-/// knot of the grid in use and at the profile's corners, Gauss-Legendre per piece: d + 1 nodes (exact:
-/// a degree-(d,d) tensor spline on a line has degree 2d, times a linear profile 2d + 1), and as many
-/// as the exponential profile needs for 1e-15.
+/// knot of the grid in use and at the profile's corners, Gauss-Legendre per piece: d + 1 nodes
+/// (exact: a degree-(d,d) tensor spline on a line has degree 2d, times a linear profile 2d + 1),
+/// and as many as the exponential profile needs for 1e-15. Const functions may run in several
+/// threads at once and allocate nothing.
 class Reference {
   public:
+    /// `fog` must pass Fog::validate().
     explicit Reference(const Fog& fog);
 
-    /// tau(O, P) = integral of K from O to P, world metres. 0 for a zero-length segment, symmetric
-    /// and additive. With mu < 1 (paper 004, eq. 12) level l counts only up to |OP| * mu^l from O, and
-    /// each step's integral (over all bands together) is clamped at 0 if `clamp`.
+    /// tau(O, P) = integral of K from O to P, world metres. 0 for a zero-length segment; at mu = 1
+    /// symmetric and additive; NaN if a coordinate is not finite.
+    ///
+    /// With mu < 1 (paper 004, eq. 12) details of level l count only up to |OP| * mu^l from O, so
+    /// at distance s the density is the approximation of the finest level l with s <= |OP| * mu^l.
+    /// A step is the longest piece inside one cell of that level, one level range and one side of
+    /// the profile's `base`; its integral, over all bands together, is clamped at 0 if `clamp`.
     double optical_depth(const Eigen::Vector3d& o, const Eigen::Vector3d& p, double mu = 1,
                          bool clamp = true) const;
 
-    /// Extinction K at a point, 1/m, from all levels (for tests by independent quadrature).
+    /// Extinction K at a point, 1/m, from all levels (for tests by independent quadrature). Cells
+    /// are half-open: a point on the far edge of the map's box is outside.
     double extinction(const Eigen::Vector3d& point) const;
 
     /// Where the ray from `o` along unit vector `d` leaves the map's box and the profile's support:
@@ -32,8 +39,23 @@ class Reference {
     double far_end(const Eigen::Vector3d& o, const Eigen::Vector3d& d, double limit) const;
 
   private:
-    Fog fog_;
+    struct Line;   // a segment in the map's causal coordinates
+    struct Range;  // a part of it, by its parameter
+
+    Range clip(const Line& line, double begin, double end) const;
+    double integrate_level(const Line& line, Range range, int level, bool clamp) const;
+    double integrate_step(const Line& line, Range range, int level, double cell_u,
+                          double cell_v) const;
+    void gather(int level, double cell_u, double cell_v, double* coefficients) const;
+    double density(const double* coefficients, double u, double v) const;
+
+    Rect rect_;
+    double cell_x_ = 1, cell_z_ = 1;
+    double extinction_ = 1;
+    Profile profile_;
+    int degree_ = 1;
     Pyramid<double> pyramid_;
+    std::vector<double> pieces_;  ///< polynomial piece p of phi_d: pieces_[p * (d + 1) + power]
 };
 
 }  // namespace wavefog

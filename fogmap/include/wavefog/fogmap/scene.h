@@ -25,7 +25,8 @@ struct Camera {
     double ortho_height = 100;  ///< full height of the view volume, metres
     double near_plane = 0.1;
     double far_plane = 4000;  ///< may be infinity (JSON: "infinite") for perspective
-    Eigen::Vector2d lens_shift{0, 0};  ///< off-axis: shift of the image plane in units of its half size
+    Eigen::Vector2d lens_shift{
+        0, 0};  ///< off-axis: shift of the image plane in units of its half size
 };
 
 struct Sun {
@@ -36,7 +37,8 @@ struct Sun {
 struct Terrain {
     std::filesystem::path heightmap;
     Rect rect;
-    double height_min = 0, height_max = 0;  ///< metres for the picture's 0 and 1 (or its min and max)
+    double height_min = 0,
+           height_max = 0;  ///< metres for the picture's 0 and 1 (or its min and max)
 };
 
 struct MeshInstance {
@@ -55,7 +57,8 @@ struct Method {
     double mu = 1;     ///< [0,1], paper 004 eq. 12
     std::string name() const;
 };
-/// Parses "exact", "march:32", ...; a usage error lists what there is.
+/// Parses "reference", "exact", "march:N" (N = 1..65536) or "homogeneous"; a usage error lists
+/// them.
 Result<Method> parse_method(const std::string& text);
 
 struct Scene {
@@ -70,11 +73,14 @@ struct Scene {
     Method method;
 };
 
-/// Reads a scene and every fog in it; paths are relative to the scene file. Errors name the key
-/// ("scene.json: fog[0].height.scale: ...").
+/// Reads a scene and every fog in it; paths are relative to the scene file. Keys as in the fields
+/// above, the camera's planes "near" and "far"; `camera.eye` and `camera.target` are required, and
+/// with a fog's "image" also "rect" and "extinction" (a fog "file" carries its own, which the scene
+/// may replace). Data errors name the key ("scene.json: fog[0].height.scale: ...") or the line.
 Result<Scene> load_scene(const std::filesystem::path& file);
 
-/// The fog of a file that may be a scene, a fog file or an image.
+/// The fogs of a file that may be a scene, a fog file or an image (taken with make_fog's defaults
+/// and an extinction of 1/m).
 Result<std::vector<Fog>> load_fogs(const std::filesystem::path& file);
 
 }  // namespace wavefog

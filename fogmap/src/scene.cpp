@@ -1,0 +1,259 @@
+#include "wavefog/fogmap/scene.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <new>
+
+#include "file_io.h"
+#include "json_reader.h"
+#include "wavefog/fogmap/fog_file.h"
+
+namespace wavefog {
+
+namespace fs = std::filesystem;
+using detail::JsonFailure;
+using detail::JsonValue;
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr int kMaxPixels = 16384;  // a side; what OpenGL 4.5 drivers offer
+constexpr std::uintmax_t kMaxSceneBytes = 16u << 20;
+
+/// Passes a value on or fails with the key's path in front of the inner message.
+template <class T>
+T value_or_fail(Result<T> result, const JsonValue& at) {
+    if (!result) at.fail(result.error().message);
+    return std::move(*result);
+}
+
+fs::path existing_file(const JsonValue& value, const fs::path& directory) {
+    const fs::path file = directory / value.text();
+    if (const auto ok = detail::check_is_file(file); !ok) value.fail(ok.error().message);
+    return file;
+}
+
+Camera read_camera(const JsonValue& value) {
+    value.only({"eye", "target", "up", "fov_y_deg", "near", "far", "projection", "ortho_height",
+                "depth", "lens_shift"});
+    Camera camera;
+    camera.eye = value.key("eye").vector3();
+    camera.target = value.key("target").vector3();
+    if (const auto up = value.find("up")) camera.up = up->vector3();
+    if (const auto projection = value.find("projection"))
+        camera.projection = projection->choice({"perspective", "orthographic"}) == 0
+                                ? Camera::Projection::perspective
+                                : Camera::Projection::orthographic;
+    if (const auto depth = value.find("depth"))
+        camera.depth = depth->choice({"standard", "reversed"}) == 0 ? Camera::Depth::standard
+                                                                    : Camera::Depth::reversed;
+    if (const auto fov = value.find("fov_y_deg")) {
+        camera.fov_y_deg = fov->above(0);
+        if (camera.fov_y_deg >= 180)
+            fov->fail(fmt::format("is {}; it must be below 180", camera.fov_y_deg));
+    }
+    if (const auto height = value.find("ortho_height")) camera.ortho_height = height->above(0);
+    if (const auto shift = value.find("lens_shift")) {
+        const auto v = shift->numbers(2);
+        camera.lens_shift = {v[0], v[1]};
+    }
+
+    const bool perspective = camera.projection == Camera::Projection::perspective;
+    if (const auto near_key = value.find("near"))
+        camera.near_plane = perspective ? near_key->above(0) : near_key->number();
+    if (const auto far_key = value.find("far")) {
+        if (far_key->is_text()) {
+            far_key->choice({"infinite"});
+            if (!perspective)
+                far_key->fail("is \"infinite\"; an orthographic camera needs a number");
+            camera.far_plane = kInfinity;
+        } else {
+            camera.far_plane = far_key->number();
+        }
+    }
+    if (!(camera.near_plane < camera.far_plane))
+        value.fail(fmt::format("near is {}, far is {}; near must be smaller than far",
+                               camera.near_plane, camera.far_plane));
+
+    const Eigen::Vector3d view = camera.target - camera.eye;
+    if (!(view.norm() > 0)) value.key("target").fail("is the same point as eye; move one of them");
+    if (!(camera.up.norm() > 0)) value.key("up").fail("is [0, 0, 0]; give a direction");
+    // 1e-6 is the sine of the smallest angle that still gives a float32 view matrix a usable side
+    // vector.
+    if (!(view.normalized().cross(camera.up.normalized()).norm() > 1e-6))
+        value.fail(
+            "up is parallel to the view from eye to target; choose another up, such as [0, 0, -1]");
+    return camera;
+}
+
+Sun read_sun(const JsonValue& value) {
+    value.only({"direction", "colour"});
+    Sun sun;
+    if (const auto direction = value.find("direction")) {
+        sun.direction = direction->vector3();
+        if (!(sun.direction.norm() > 0))
+            direction->fail("is [0, 0, 0]; give the direction towards the sun");
+    }
+    sun.direction.normalize();
+    if (const auto colour = value.find("colour")) sun.colour = colour->vector3();
+    return sun;
+}
+
+Terrain read_terrain(const JsonValue& value, const fs::path& directory) {
+    value.only({"heightmap", "rect", "height"});
+    Terrain terrain;
+    terrain.heightmap = existing_file(value.key("heightmap"), directory);
+    terrain.rect = value.key("rect").rect();
+    const auto height = value.key("height").numbers(2);
+    terrain.height_min = height[0];
+    terrain.height_max = height[1];
+    return terrain;
+}
+
+MeshInstance read_mesh(const JsonValue& value, const fs::path& directory) {
+    value.only({"file", "translate", "scale", "rotate_y_deg", "on_terrain"});
+    MeshInstance mesh;
+    mesh.file = existing_file(value.key("file"), directory);
+    if (const auto translate = value.find("translate")) mesh.translate = translate->vector3();
+    if (const auto scale = value.find("scale")) mesh.scale = scale->above(0);
+    if (const auto angle = value.find("rotate_y_deg")) mesh.rotate_y_deg = angle->number();
+    if (const auto on_terrain = value.find("on_terrain")) mesh.on_terrain = on_terrain->boolean();
+    return mesh;
+}
+
+Fog read_image_fog(const JsonValue& value, const fs::path& directory) {
+    const JsonValue image = value.key("image");
+    ReadOptions read;
+    if (const auto channel = value.find("channel")) read.channel = channel->text();
+    if (const auto sanitize = value.find("sanitize")) read.sanitize = sanitize->boolean();
+
+    FogOptions options;
+    if (const auto basis = value.find("basis"))
+        options.degree = value_or_fail(parse_basis(basis->text()), *basis);
+    if (const auto form = value.find("form"))
+        options.form = form->choice({"wavelet", "scaling"}) == 0 ? Form::wavelet : Form::scaling;
+    if (const auto family = value.find("family")) {
+        options.family = family->text();
+        value_or_fail(parse_family(options.family, options.degree), *family);
+    }
+    if (const auto wrap = value.find("wrap"))
+        options.boundary =
+            wrap->choice({"zero", "repeat"}) == 0 ? Boundary::zero : Boundary::repeat;
+    if (const auto levels = value.find("levels")) {
+        if (levels->is_text())
+            levels->choice({"auto"});
+        else
+            options.levels = levels->integer(0, 30);
+    }
+    // Both decide what the fog looks like and have no sensible default; checked before the image is
+    // read.
+    value.key("rect").rect();
+    value.key("extinction").number(0, kInfinity);
+
+    const Fogmap map = value_or_fail(read_fogmap(existing_file(image, directory), read), image);
+    return value_or_fail(make_fog(map.pixels, options), value);
+}
+
+Fog read_fog(const JsonValue& value, const fs::path& directory) {
+    value.only({"model", "image", "file", "channel", "basis", "family", "form", "levels", "rect",
+                "extinction", "height", "wind", "wrap", "sanitize"});
+    if (const auto model = value.find("model")) model->choice({"wavelet"});
+    const auto file = value.find("file");
+    if (file.has_value() == value.find("image").has_value())
+        value.fail("needs either \"image\" (a picture) or \"file\" (a fog file), and not both");
+
+    Fog fog;
+    if (file) {
+        for (const char* key : {"channel", "basis", "family", "form", "levels", "wrap", "sanitize"})
+            if (const auto fixed = value.find(key))
+                fixed->fail("is fixed by the fog file; remove the key, or convert the map again");
+        fog = value_or_fail(load_fog(directory / file->text()), *file);
+    } else {
+        fog = read_image_fog(value, directory);
+    }
+    if (const auto rect = value.find("rect")) fog.rect = rect->rect();
+    if (const auto extinction = value.find("extinction"))
+        fog.extinction = extinction->number(0, kInfinity);
+    if (const auto height = value.find("height")) fog.profile = detail::read_profile(*height);
+    if (const auto wind = value.find("wind")) {
+        const auto v = wind->numbers(2);
+        fog.wind = {v[0], v[1]};
+    }
+    if (const auto ok = fog.validate(); !ok) value.fail(ok.error().message);
+    return fog;
+}
+
+Method read_method(const JsonValue& value) {
+    value.only({"name", "mu"});
+    Method method;
+    if (const auto name = value.find("name"))
+        method = value_or_fail(parse_method(name->text()), *name);
+    if (const auto mu = value.find("mu")) method.mu = mu->number(0, 1);
+    return method;
+}
+
+Scene read_scene(const JsonValue& root, const fs::path& directory) {
+    root.only({"size", "camera", "sky", "sun", "terrain", "meshes", "fog_colour", "fog", "method"});
+    Scene scene;
+    if (const auto size = root.find("size")) {
+        const auto sides = size->items();
+        if (sides.size() != 2) size->fail("must be [width, height] in pixels");
+        scene.width = sides[0].integer(1, kMaxPixels);
+        scene.height = sides[1].integer(1, kMaxPixels);
+    }
+    scene.camera = read_camera(root.key("camera"));
+    if (const auto sky = root.find("sky")) scene.sky = sky->vector3();
+    scene.sun = Sun{};
+    scene.sun.direction.normalize();
+    if (const auto sun = root.find("sun")) scene.sun = read_sun(*sun);
+    if (const auto terrain = root.find("terrain"))
+        scene.terrain = read_terrain(*terrain, directory);
+    if (const auto meshes = root.find("meshes"))
+        for (const JsonValue& mesh : meshes->items())
+            scene.meshes.push_back(read_mesh(mesh, directory));
+    if (const auto colour = root.find("fog_colour")) scene.fog_colour = colour->vector3();
+    if (const auto method = root.find("method")) scene.method = read_method(*method);
+    if (const auto fogs = root.find("fog"))
+        for (const JsonValue& fog : fogs->items()) scene.fogs.push_back(read_fog(fog, directory));
+    return scene;
+}
+
+}  // namespace
+
+Result<Scene> load_scene(const fs::path& file) {
+    try {
+        const auto text = detail::read_text_file(file, kMaxSceneBytes);
+        if (!text) return tl::unexpected(text.error());
+        const std::string name = file.string();
+        const auto json = detail::parse_json(*text, name);
+        if (!json) return tl::unexpected(json.error());
+        return read_scene(JsonValue(*json, name), file.parent_path());
+    } catch (const JsonFailure& failure) {
+        return tl::unexpected(failure.error);
+    } catch (const std::bad_alloc&) {
+        return data_error(fmt::format("{}: not enough memory; use smaller maps", file.string()));
+    }
+}
+
+Result<std::vector<Fog>> load_fogs(const fs::path& file) {
+    if (const auto ok = detail::check_is_file(file); !ok) return tl::unexpected(ok.error());
+    if (is_fog_file(file)) {
+        auto fog = load_fog(file);
+        if (!fog) return tl::unexpected(fog.error());
+        return std::vector<Fog>{std::move(*fog)};
+    }
+    if (detail::lower_extension(file) == ".json") {
+        auto scene = load_scene(file);
+        if (!scene) return tl::unexpected(scene.error());
+        return std::move(scene->fogs);
+    }
+    const auto map = read_fogmap(file);
+    if (!map) return tl::unexpected(map.error());
+    auto fog = make_fog(map->pixels, {});
+    if (!fog) return data_error(fmt::format("{}: {}", file.string(), fog.error().message));
+    return std::vector<Fog>{std::move(*fog)};
+}
+
+}  // namespace wavefog
