@@ -1,6 +1,5 @@
 #include "fir.h"
 
-#include <type_traits>
 #include <vector>
 
 namespace wavefog {
@@ -17,62 +16,55 @@ int position(int index, Range range, Boundary boundary) {
     return range.contains(index) ? index - range.first : -1;
 }
 
-template <class T>
-void analyse_z(const Taps& taps, const Grid<T>& in, Range fine, Range out_range, Boundary boundary,
-               Grid<T>& out) {
+void analyse_z(const Taps& taps, const Grid<double>& in, Range fine, Range out_range,
+               Boundary boundary, Grid<double>& out) {
     for (int k = out_range.first; k <= out_range.last; ++k)
         for (int n = taps.start; n <= taps.last(); ++n) {
             const int row = position(2 * k + n, fine, boundary);
             if (row >= 0)
                 out.row(k - out_range.first) +=
-                    static_cast<T>(taps.values[static_cast<std::size_t>(n - taps.start)]) *
-                    in.row(row);
+                    taps.values[static_cast<std::size_t>(n - taps.start)] * in.row(row);
         }
 }
 
-template <class T>
-void synthesise_z(const Taps& taps, const Grid<T>& in, Range coarse, Range fine, Boundary boundary,
-                  Grid<T>& out) {
+void synthesise_z(const Taps& taps, const Grid<double>& in, Range coarse, Range fine,
+                  Boundary boundary, Grid<double>& out) {
     for (int k = coarse.first; k <= coarse.last; ++k)
         for (int n = taps.start; n <= taps.last(); ++n) {
             const int row = position(2 * k + n, fine, boundary);
             if (row >= 0)
-                out.row(row) +=
-                    static_cast<T>(taps.values[static_cast<std::size_t>(n - taps.start)]) *
-                    in.row(k - coarse.first);
+                out.row(row) += taps.values[static_cast<std::size_t>(n - taps.start)] *
+                                in.row(k - coarse.first);
         }
 }
 
 // One line split into even and odd samples, so that every tap is a unit-stride loop.
-template <class T>
-using Line = Eigen::Array<T, 1, Eigen::Dynamic>;
+using Line = Eigen::Array<double, 1, Eigen::Dynamic>;
 
-template <class T>
-void analyse_x(const Taps& taps, const Grid<T>& in, Range fine, Range out_range, Boundary boundary,
-               Grid<T>& out) {
+void analyse_x(const Taps& taps, const Grid<double>& in, Range fine, Range out_range,
+               Boundary boundary, Grid<double>& out) {
     const int base = half_down(2 * out_range.first + taps.start);
     const int count = half_down(2 * out_range.last + taps.last()) - base + 1;
-    Line<T> phase[2] = {Line<T>::Zero(count), Line<T>::Zero(count)};
+    Line phase[2] = {Line::Zero(count), Line::Zero(count)};
     const int size = out_range.size();
     for (Eigen::Index j = 0; j < in.rows(); ++j) {
         for (int i = 0; i < 2 * count; ++i) {
             const int column = position(2 * base + i, fine, boundary);
-            phase[i & 1](i / 2) = column >= 0 ? in(j, column) : T(0);
+            phase[i & 1](i / 2) = column >= 0 ? in(j, column) : 0.0;
         }
         for (int n = taps.start; n <= taps.last(); ++n) {
             const int first = 2 * out_range.first + n - 2 * base;
-            out.row(j) += static_cast<T>(taps.values[static_cast<std::size_t>(n - taps.start)]) *
+            out.row(j) += taps.values[static_cast<std::size_t>(n - taps.start)] *
                           phase[first & 1].segment(first / 2, size);
         }
     }
 }
 
-template <class T>
-void synthesise_x(const Taps& taps, const Grid<T>& in, Range coarse, Range fine, Boundary boundary,
-                  Grid<T>& out) {
+void synthesise_x(const Taps& taps, const Grid<double>& in, Range coarse, Range fine,
+                  Boundary boundary, Grid<double>& out) {
     const int base = half_down(2 * coarse.first + taps.start);
     const int count = half_down(2 * coarse.last + taps.last()) - base + 1;
-    Line<T> phase[2] = {Line<T>::Zero(count), Line<T>::Zero(count)};
+    Line phase[2] = {Line::Zero(count), Line::Zero(count)};
     const int size = coarse.size();
     for (Eigen::Index j = 0; j < in.rows(); ++j) {
         phase[0].setZero();
@@ -80,7 +72,7 @@ void synthesise_x(const Taps& taps, const Grid<T>& in, Range coarse, Range fine,
         for (int n = taps.start; n <= taps.last(); ++n) {
             const int first = 2 * coarse.first + n - 2 * base;
             phase[first & 1].segment(first / 2, size) +=
-                static_cast<T>(taps.values[static_cast<std::size_t>(n - taps.start)]) * in.row(j);
+                taps.values[static_cast<std::size_t>(n - taps.start)] * in.row(j);
         }
         for (int i = 0; i < 2 * count; ++i) {
             const int column = position(2 * base + i, fine, boundary);
@@ -102,11 +94,10 @@ Range synthesised_range(const Taps& taps, Range coarse) {
     return {2 * coarse.first + taps.start, 2 * coarse.last + taps.last()};
 }
 
-template <class T>
-Grid<T> analyse(Axis axis, const Taps& taps, const Grid<T>& in, Range fine, Range out_range,
-                Boundary boundary) {
-    Grid<T> out = Grid<T>::Zero(axis == Axis::z ? out_range.size() : in.rows(),
-                                axis == Axis::x ? out_range.size() : in.cols());
+Grid<double> analyse(Axis axis, const Taps& taps, const Grid<double>& in, Range fine,
+                     Range out_range, Boundary boundary) {
+    Grid<double> out = Grid<double>::Zero(axis == Axis::z ? out_range.size() : in.rows(),
+                                          axis == Axis::x ? out_range.size() : in.cols());
     if (axis == Axis::x)
         analyse_x(taps, in, fine, out_range, boundary, out);
     else
@@ -114,20 +105,12 @@ Grid<T> analyse(Axis axis, const Taps& taps, const Grid<T>& in, Range fine, Rang
     return out;
 }
 
-template <class T>
-void synthesise_into(Axis axis, const Taps& taps, const Grid<T>& in, Range coarse, Range fine,
-                     Boundary boundary, Grid<T>& out) {
+void synthesise_into(Axis axis, const Taps& taps, const Grid<double>& in, Range coarse, Range fine,
+                     Boundary boundary, Grid<double>& out) {
     if (axis == Axis::x)
         synthesise_x(taps, in, coarse, fine, boundary, out);
     else
         synthesise_z(taps, in, coarse, fine, boundary, out);
 }
-
-template Grid<float> analyse(Axis, const Taps&, const Grid<float>&, Range, Range, Boundary);
-template Grid<double> analyse(Axis, const Taps&, const Grid<double>&, Range, Range, Boundary);
-template void synthesise_into(Axis, const Taps&, const Grid<float>&, Range, Range, Boundary,
-                              Grid<float>&);
-template void synthesise_into(Axis, const Taps&, const Grid<double>&, Range, Range, Boundary,
-                              Grid<double>&);
 
 }  // namespace wavefog

@@ -23,14 +23,12 @@ Range synthesised_range(const Taps& taps, Range coarse);
 
 /// out_k = sum_n f_{n-2k} in_n for k in `out`; `in` covers the indices `fine` along the axis. With
 /// repeat, indices wrap with the period fine.size().
-template <class T>
-Grid<T> analyse(Axis axis, const Taps& taps, const Grid<T>& in, Range fine, Range out,
-                Boundary boundary);
+Grid<double> analyse(Axis axis, const Taps& taps, const Grid<double>& in, Range fine, Range out,
+                     Boundary boundary);
 
 /// out_n += sum_k f_{n-2k} in_k for n in `fine`; `in` covers the indices `coarse`. With repeat,
 /// indices wrap with the period fine.size().
-template <class T>
-void synthesise_into(Axis axis, const Taps& taps, const Grid<T>& in, Range coarse, Range fine,
-                     Boundary boundary, Grid<T>& out);
+void synthesise_into(Axis axis, const Taps& taps, const Grid<double>& in, Range coarse, Range fine,
+                     Boundary boundary, Grid<double>& out);
 
 }  // namespace wavefog

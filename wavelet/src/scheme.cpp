@@ -41,19 +41,17 @@ std::vector<Rect> Scheme::level_rects(int width, int height, int levels) const {
     return rects;
 }
 
-template <class T>
-Grid<T> Scheme::analyse(Axis axis, Part part, const Grid<T>& in, Range fine) const {
+Grid<double> Scheme::analyse(Axis axis, Part part, const Grid<double>& in, Range fine) const {
     if (!interval())
         return wavefog::analyse(axis, analysis_taps(part), in, fine, coarse(part, fine), boundary_);
     const IntervalLevel level(fine.size(), family_.degree, part == Part::high);
     const SplineSubspace& space = part == Part::low ? level.approximation : level.details;
-    if (axis == Axis::z) return space.project(in.template cast<double>()).template cast<T>();
-    return space.project(in.transpose().template cast<double>()).transpose().template cast<T>();
+    if (axis == Axis::z) return space.project(in);
+    return space.project(in.transpose()).transpose();
 }
 
-template <class T>
-void Scheme::synthesise_into(Axis axis, Part part, const Grid<T>& in, Range fine, Range target,
-                             Grid<T>& out) const {
+void Scheme::synthesise_into(Axis axis, Part part, const Grid<double>& in, Range fine, Range target,
+                             Grid<double>& out) const {
     if (!interval()) {
         wavefog::synthesise_into(axis, synthesis_taps(part), in, coarse(part, fine), target,
                                  boundary_, out);
@@ -62,33 +60,31 @@ void Scheme::synthesise_into(Axis axis, Part part, const Grid<T>& in, Range fine
     const IntervalLevel level(fine.size(), family_.degree, part == Part::high);
     const SplineSubspace& space = part == Part::low ? level.approximation : level.details;
     if (axis == Axis::z)
-        out += space.expand(in.template cast<double>()).template cast<T>();
+        out += space.expand(in);
     else
-        out += space.expand(in.transpose().template cast<double>()).transpose().template cast<T>();
+        out += space.expand(in.transpose()).transpose();
 }
 
-template <class T>
-Band<T> Scheme::restrict_band(const Band<T>& fine) const {
+Band<double> Scheme::restrict_band(const Band<double>& fine) const {
     const Rect from = rect_of(fine), to = coarse(from);
     return {analyse(Axis::z, Part::low, analyse(Axis::x, Part::low, fine.values, from.x), from.z),
             to.x.first, to.z.first};
 }
 
-template <class T>
-Band<T> Scheme::prolong(const Band<T>& band, const Rect& fine, const Rect& target) const {
+Band<double> Scheme::prolong(const Band<double>& band, const Rect& fine, const Rect& target) const {
     const Rect from = coarse(fine);
-    Grid<T> rows = Grid<T>::Zero(target.z.size(), from.x.size());
+    Grid<double> rows = Grid<double>::Zero(target.z.size(), from.x.size());
     synthesise_into(Axis::z, Part::low, cropped(band, from).values, fine.z, target.z, rows);
-    Band<T> out{Grid<T>::Zero(target.z.size(), target.x.size()), target.x.first, target.z.first};
+    Band<double> out{Grid<double>::Zero(target.z.size(), target.x.size()), target.x.first,
+                     target.z.first};
     synthesise_into(Axis::x, Part::low, rows, fine.x, target.x, out.values);
     return out;
 }
 
-template <class T>
-Band<T> Scheme::split(const Band<T>& fine, Detail<T>& detail) const {
+Band<double> Scheme::split(const Band<double>& fine, Detail<double>& detail) const {
     const Rect from = rect_of(fine);
-    const Grid<T> low = analyse(Axis::x, Part::low, fine.values, from.x);
-    const Grid<T> high = analyse(Axis::x, Part::high, fine.values, from.x);
+    const Grid<double> low = analyse(Axis::x, Part::low, fine.values, from.x);
+    const Grid<double> high = analyse(Axis::x, Part::high, fine.values, from.x);
     const Range phi_x = coarse(Part::low, from.x), psi_x = coarse(Part::high, from.x);
     const Range phi_z = coarse(Part::low, from.z), psi_z = coarse(Part::high, from.z);
     detail.phi_psi = {analyse(Axis::z, Part::high, low, from.z), phi_x.first, psi_z.first};
@@ -97,37 +93,25 @@ Band<T> Scheme::split(const Band<T>& fine, Detail<T>& detail) const {
     return {analyse(Axis::z, Part::low, low, from.z), phi_x.first, phi_z.first};
 }
 
-template <class T>
-Band<T> Scheme::merge(const Band<T>& band, const Detail<T>& detail, const Rect& fine,
-                      const Rect& target) const {
+Band<double> Scheme::merge(const Band<double>& band, const Detail<double>& detail, const Rect& fine,
+                           const Rect& target) const {
     const Range phi_x = coarse(Part::low, fine.x), psi_x = coarse(Part::high, fine.x);
     const Range phi_z = coarse(Part::low, fine.z), psi_z = coarse(Part::high, fine.z);
-    Grid<T> low = Grid<T>::Zero(target.z.size(), phi_x.size());
-    Grid<T> high = Grid<T>::Zero(target.z.size(), psi_x.size());
-    const auto along_z = [&](Part part, const Band<T>& from, Range x, Range z, Grid<T>& out) {
+    Grid<double> low = Grid<double>::Zero(target.z.size(), phi_x.size());
+    Grid<double> high = Grid<double>::Zero(target.z.size(), psi_x.size());
+    const auto along_z = [&](Part part, const Band<double>& from, Range x, Range z,
+                             Grid<double>& out) {
         synthesise_into(Axis::z, part, cropped(from, {x, z}).values, fine.z, target.z, out);
     };
     along_z(Part::low, band, phi_x, phi_z, low);
     along_z(Part::high, detail.phi_psi, phi_x, psi_z, low);
     along_z(Part::low, detail.psi_phi, psi_x, phi_z, high);
     along_z(Part::high, detail.psi_psi, psi_x, psi_z, high);
-    Band<T> out{Grid<T>::Zero(target.z.size(), target.x.size()), target.x.first, target.z.first};
+    Band<double> out{Grid<double>::Zero(target.z.size(), target.x.size()), target.x.first,
+                     target.z.first};
     synthesise_into(Axis::x, Part::low, low, fine.x, target.x, out.values);
     synthesise_into(Axis::x, Part::high, high, fine.x, target.x, out.values);
     return out;
 }
-
-#define WAVEFOG_INSTANTIATE(T)                                                                 \
-    template Grid<T> Scheme::analyse(Axis, Part, const Grid<T>&, Range) const;                 \
-    template void Scheme::synthesise_into(Axis, Part, const Grid<T>&, Range, Range, Grid<T>&)  \
-        const;                                                                                 \
-    template Band<T> Scheme::restrict_band(const Band<T>&) const;                              \
-    template Band<T> Scheme::prolong(const Band<T>&, const Rect&, const Rect&) const;          \
-    template Band<T> Scheme::split(const Band<T>&, Detail<T>&) const;                          \
-    template Band<T> Scheme::merge(const Band<T>&, const Detail<T>&, const Rect&, const Rect&) \
-        const;
-WAVEFOG_INSTANTIATE(float)
-WAVEFOG_INSTANTIATE(double)
-#undef WAVEFOG_INSTANTIATE
 
 }  // namespace wavefog

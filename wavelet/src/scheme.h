@@ -31,26 +31,20 @@ class Scheme {
     std::vector<Rect> level_rects(int width, int height, int levels) const;
 
     /// Coefficients of one part along one axis, of a grid that covers `fine` along it.
-    template <class T>
-    Grid<T> analyse(Axis axis, Part part, const Grid<T>& in, Range fine) const;
+    Grid<double> analyse(Axis axis, Part part, const Grid<double>& in, Range fine) const;
     /// out += the part's functions in fine coefficients on `target`; the fine level was `fine`.
-    template <class T>
-    void synthesise_into(Axis axis, Part part, const Grid<T>& in, Range fine, Range target,
-                         Grid<T>& out) const;
+    void synthesise_into(Axis axis, Part part, const Grid<double>& in, Range fine, Range target,
+                         Grid<double>& out) const;
 
     /// The coarse approximation alone.
-    template <class T>
-    Band<T> restrict_band(const Band<T>& fine) const;
+    Band<double> restrict_band(const Band<double>& fine) const;
     /// P a on `target`, for a the approximation of a level that covered `fine`.
-    template <class T>
-    Band<T> prolong(const Band<T>& coarse, const Rect& fine, const Rect& target) const;
+    Band<double> prolong(const Band<double>& coarse, const Rect& fine, const Rect& target) const;
     /// Approximation (returned) and three wavelet bands.
-    template <class T>
-    Band<T> split(const Band<T>& fine, Detail<T>& detail) const;
+    Band<double> split(const Band<double>& fine, Detail<double>& detail) const;
     /// The inverse of split, on `target`.
-    template <class T>
-    Band<T> merge(const Band<T>& coarse, const Detail<T>& detail, const Rect& fine,
-                  const Rect& target) const;
+    Band<double> merge(const Band<double>& coarse, const Detail<double>& detail, const Rect& fine,
+                       const Rect& target) const;
 
   private:
     bool interval() const {
