@@ -59,7 +59,7 @@ struct Fog {
 /// Options of make_fog, as on the command line.
 struct FogOptions {
     int degree = 1;
-    std::string family;  ///< empty: default_family(degree, form)
+    std::string family = {};  ///< empty: default_family(degree, form)
     Form form = Form::wavelet;
     int levels = -1;  ///< -1: auto, max_levels capped at kAutoLevels
     Boundary boundary = Boundary::zero;
