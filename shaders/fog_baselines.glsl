@@ -12,7 +12,7 @@ float fog_height(float eta) {
 
 // march:N: N mid-point samples of the bilinear texture (nearest for Haar) where the ray is in the map.
 float fog_march(FogRay ray, int samples) {
-    vec2 range = fog_clip(ray, vec2(0.0f, ray.last));
+    vec2 range = fog_clip(ray);
     if (range.y <= range.x) {
         return 0.0f;
     }
@@ -30,6 +30,6 @@ float fog_march(FogRay ray, int samples) {
 }
 
 // OpenGL's EXP fog with true distance, at the map's mean density.
-float fog_homogeneous(FogRay ray) {
-    return fog.limit.y * fog.scale.w * ray.metres * ray.last;
+float fog_homogeneous(float metres) {
+    return fog.limit.y * fog.scale.w * metres;
 }

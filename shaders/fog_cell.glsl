@@ -1,10 +1,15 @@
-// One cell of the spline surface: its polynomial and its mean along a segment.
+// One cell of the spline surface: its polynomial, and its mean along a segment with a height profile.
 // FOG_DEGREE 0 (Haar), 1 (linear), 2 (quadratic); FOG_PROFILE as in fog_ray.glsl.
 // Compiles as GLSL and as C++ (GLM). Densities are in units of the cell texture, coordinates local to
 // the cell, [0,1]^2.
+//
+// On a segment m + d s, s in [-1, 1], a cell's density is a polynomial of degree 2 FOG_DEGREE in s, so
+// its mean is a dot product of coefficients with the profile's moments: closed form for every basis
+// and profile.
 
-// A cell without fog holds -FOG_EMPTY * (s + 1) instead of a density: the aligned block of 2^s cells
-// around it is empty. Densities stay far above -FOG_EMPTY / 2 (the texture is scaled to maximum 1).
+// A cell without fog holds -(FOG_EMPTY + r) instead of a density, and zeros: the square of cells up to
+// r away from it in x and z is empty. Densities stay far above -FOG_EMPTY (the texture is scaled to
+// maximum 1).
 #define FOG_EMPTY 1024.0f
 
 struct FogCell {
@@ -23,103 +28,75 @@ struct FogCell {
 #define FOG_FIRST(cell) ((cell).c.x)
 #endif
 
-float fog_density(FogCell cell, vec2 p) {
-#if FOG_DEGREE == 0
-    return cell.c.x;
-#elif FOG_DEGREE == 1
-    return cell.c.x + cell.c.y * p.x + p.y * (cell.c.z + cell.c.w * p.x);
-#else
-    float a = cell.row0.x + p.x * (cell.row0.y + p.x * cell.row0.z);
-    float b = cell.row1.x + p.x * (cell.row1.y + p.x * cell.row1.z);
-    float c = cell.row2.x + p.x * (cell.row2.y + p.x * cell.row2.z);
-    return a + p.y * (b + p.y * c);
-#endif
-}
+// Moments of the height profile over a segment: m_k = mean of s^k h(s), s in [-1, 1].
+struct FogMoments {
+    float m0;
+    float m1;
+    float m2;
+    float m3;
+    float m4;
+};
 
-// Mean density on the segment with end points a and b: exact for the polynomial.
-float fog_mean(FogCell cell, vec2 a, vec2 b) {
-#if FOG_DEGREE == 0
-    return cell.c.x;
-#elif FOG_DEGREE == 1
-    // The mean of u v is the product of the means plus du dv / 12.
-    vec2 m = 0.5f * (a + b);
-    vec2 d = b - a;
-    return cell.c.x + cell.c.y * m.x + cell.c.z * m.y +
-           cell.c.w * (m.x * m.y + d.x * d.y * (1.0f / 12.0f));
-#else
-    // Degree 4 along the segment: 3-point Gauss-Legendre is exact.
-    vec2 m = 0.5f * (a + b);
-    vec2 d = 0.387298334620742f * (b - a);
-    return (5.0f / 18.0f) * (fog_density(cell, m - d) + fog_density(cell, m + d)) +
-           (4.0f / 9.0f) * fog_density(cell, m);
-#endif
-}
-
+// e0, e1: eta at the segment's ends, on one side of every integer eta (fog_exact.glsl sees to it).
+FogMoments fog_moments(float e0, float e1) {
+    FogMoments h;
 #if FOG_PROFILE == FOG_LINEAR
-// Mean of density * (1 - eta), eta from e0 to e1: degree 2 d + 1 along the segment, so d + 1 Gauss
-// nodes stay exact.
-float fog_mean_height(FogCell cell, vec2 a, vec2 b, float e0, float e1) {
     float h0 = clamp(1.0f - e0, 0.0f, 1.0f);
     float h1 = clamp(1.0f - e1, 0.0f, 1.0f);
-    float hm = 0.5f * (h0 + h1);
-#if FOG_DEGREE == 0
-    return cell.c.x * hm;
-#elif FOG_DEGREE == 1
-    vec2 m = 0.5f * (a + b);
-    vec2 d = 0.288675134594813f * (b - a);
-    float hd = 0.288675134594813f * (h1 - h0);
-    return 0.5f * (fog_density(cell, m - d) * (hm - hd) + fog_density(cell, m + d) * (hm + hd));
-#else
-    vec2 m = 0.5f * (a + b);
-    vec2 d = 0.387298334620742f * (b - a);
-    float hd = 0.387298334620742f * (h1 - h0);
-    return (5.0f / 18.0f) * (fog_density(cell, m - d) * (hm - hd) +
-                             fog_density(cell, m + d) * (hm + hd)) +
-           (4.0f / 9.0f) * fog_density(cell, m) * hm;
-#endif
-}
-#endif
-
-#if FOG_PROFILE == FOG_EXPONENTIAL
-// Mean of density * exp(-eta), eta from e0 to e1, both >= 0 or both <= 0 (there h = 1). Gauss-Legendre
-// with d + 3 nodes on pieces of |eta1 - eta0| <= 1: relative error below 1e-6 (stability.md 7).
-float fog_mean_height(FogCell cell, vec2 a, vec2 b, float e0, float e1) {
+    float a = 0.5f * (h0 + h1);
+    float b = 0.5f * (h1 - h0);
+    h.m0 = a;
+    h.m1 = b * (1.0f / 3.0f);
+    h.m2 = a * (1.0f / 3.0f);
+    h.m3 = b * (1.0f / 5.0f);
+    h.m4 = a * (1.0f / 5.0f);
+#elif FOG_PROFILE == FOG_EXPONENTIAL
+    // h = exp(-e) exp(-x s): m_k = exp(-e) sum_n (-x)^n / (n! (n + k + 1)), n + k even. |x| <= 1/2, so
+    // the dropped terms are below 2e-8. The closed forms cancel (stability.md 7).
     float h0 = max(e0, 0.0f);
     float h1 = max(e1, 0.0f);
-    float pieces = clamp(ceil(abs(h1 - h0)), 1.0f, 64.0f);
-    vec2 d = (b - a) / pieces;
-    float de = (h1 - h0) / pieces;
-    float sum = 0.0f;
-    for (float i = 0.5f; i < pieces; i += 1.0f) {
-        vec2 m = a + d * i;
-        float e = h0 + de * i;
-        float w = exp(-e);
-#if FOG_DEGREE == 0
-        // sinh(x) / x, |x| <= 1/2, to 1e-9: the closed form of the mean of exp.
-        float x = 0.25f * de * de;
-        sum += w * cell.c.x * (1.0f + x * (1.0f / 6.0f) * (1.0f + x * 0.05f * (1.0f + x * (1.0f / 42.0f))));
+    float w = exp(-0.5f * (h0 + h1));
+    float x = 0.5f * (h1 - h0);
+    float y = x * x;
+    float z = -w * x;
+    h.m0 = w * (1.0f + y * (1.0f / 6.0f + y * (1.0f / 120.0f + y * (1.0f / 5040.0f))));
+    h.m1 = z * (1.0f / 3.0f + y * (1.0f / 30.0f + y * (1.0f / 840.0f + y * (1.0f / 45360.0f))));
+    h.m2 = w * (1.0f / 3.0f + y * (1.0f / 10.0f + y * (1.0f / 168.0f + y * (1.0f / 6480.0f))));
+    h.m3 = z * (1.0f / 5.0f + y * (1.0f / 42.0f + y * (1.0f / 1080.0f)));
+    h.m4 = w * (1.0f / 5.0f + y * (1.0f / 14.0f + y * (1.0f / 216.0f + y * (1.0f / 7920.0f))));
 #else
-#if FOG_DEGREE == 1
-        // 4 nodes
-        float n0 = 0.169990521792428f;
-        float n1 = 0.430568155797026f;
-        float w0 = 0.326072577431273f;
-        float w1 = 0.173927422568727f;
-        float c = 0.0f;
-#else
-        // 5 nodes
-        float n0 = 0.269234655052841f;
-        float n1 = 0.453089922969332f;
-        float w0 = 0.239314335249683f;
-        float w1 = 0.118463442528095f;
-        float c = 0.284444444444444f * fog_density(cell, m);
+    h.m0 = 1.0f;
+    h.m1 = 0.0f;
+    h.m2 = 1.0f / 3.0f;
+    h.m3 = 0.0f;
+    h.m4 = 1.0f / 5.0f;
 #endif
-        float f0 = exp(de * n0);
-        float f1 = exp(de * n1);
-        sum += w * (c + w0 * (fog_density(cell, m - d * n0) * f0 + fog_density(cell, m + d * n0) / f0) +
-                    w1 * (fog_density(cell, m - d * n1) * f1 + fog_density(cell, m + d * n1) / f1));
-#endif
-    }
-    return sum / pieces;
+    return h;
 }
+
+// Mean of density * h on the segment with midpoint m and half extent d.
+float fog_mean(FogCell cell, vec2 m, vec2 d, FogMoments h) {
+#if FOG_DEGREE == 0
+    return cell.c.x * h.m0;
+#elif FOG_DEGREE == 1
+    float du = cell.c.y + cell.c.w * m.y;
+    float dv = cell.c.z + cell.c.w * m.x;
+    return (cell.c.x + cell.c.y * m.x + m.y * dv) * h.m0 + (d.x * du + d.y * dv) * h.m1 +
+           cell.c.w * (d.x * d.y) * h.m2;
+#else
+    // Each row is a + b s + c s^2 along the segment; v = m.y + d.y s.
+    vec3 a = vec3(cell.row0.x, cell.row1.x, cell.row2.x);
+    vec3 b = vec3(cell.row0.y, cell.row1.y, cell.row2.y);
+    vec3 c = vec3(cell.row0.z, cell.row1.z, cell.row2.z);
+    a = a + m.x * (b + m.x * c);
+    b = d.x * (b + (2.0f * m.x) * c);
+    c = (d.x * d.x) * c;
+    float v = m.y;
+    float s0 = a.x + v * (a.y + v * a.z);
+    float s1 = b.x + v * (b.y + v * b.z) + d.y * (a.y + 2.0f * v * a.z);
+    float s2 = c.x + v * (c.y + v * c.z) + d.y * (b.y + 2.0f * v * b.z + d.y * a.z);
+    float s3 = d.y * (c.y + 2.0f * v * c.z + d.y * b.z);
+    float s4 = d.y * d.y * c.z;
+    return s0 * h.m0 + s1 * h.m1 + s2 * h.m2 + s3 * h.m3 + s4 * h.m4;
 #endif
+}

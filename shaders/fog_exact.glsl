@@ -2,100 +2,96 @@
 //
 // The mu rule (paper 004, eq. 12) keeps detail level l up to the distance |OP| mu^l. So between
 // |OP| mu^(l+1) and |OP| mu^l the density is the approximation that holds levels 0..l: the walk uses
-// that approximation's grid there and never sums levels. Each cell's polynomial is integrated in
-// closed form (fog_cell.glsl); empty blocks are crossed in one step; a step's integral is clamped at
-// 0, because approximations of degree >= 1 can be negative; the walk stops when the remaining
-// transmittance cannot be seen.
+// that approximation's grid there and never sums levels. A step ends where the ray leaves a cell, a
+// level's reach or a layer of the height profile (integer eta); its integral is in closed form
+// (fog_cell.glsl) and clamped at 0, because approximations of degree >= 1 can be negative. The walk
+// stops when the remaining transmittance cannot be seen.
 
-FogCell fog_fetch(ivec4 level, ivec2 k) {
+// Cell k (counted from the base cell) of a level. Every level has a border of empty texels, so that
+// rounding at the box's faces reads nothing strange.
+FogCell fog_fetch(ivec4 level, vec2 index) {
+#ifdef FOG_REPEAT
+    vec2 period = vec2(float(level.z), float(level.w));
+    index = index - period * floor((index + 0.5f) / period);
+#endif
     FogCell cell;
 #if FOG_DEGREE == 2
-    ivec2 p = ivec2(level.x + 3 * k.x, level.y + k.y);
+    ivec2 p = ivec2(level.x + 3 * int(index.x), level.y + int(index.y));
     cell.row0 = texelFetch(fog_cells, p, 0);
     cell.row1 = texelFetch(fog_cells, ivec2(p.x + 1, p.y), 0);
     cell.row2 = texelFetch(fog_cells, ivec2(p.x + 2, p.y), 0);
 #else
-    cell.c = texelFetch(fog_cells, ivec2(level.x + k.x, level.y + k.y), 0);
+    cell.c = texelFetch(fog_cells, ivec2(level.x + int(index.x), level.y + int(index.y)), 0);
 #endif
     return cell;
 }
 
-// Index of a cell in its level's part of the atlas. `k` counts from the base cell.
-ivec2 fog_index(ivec4 level, ivec2 k, ivec2 base) {
-    ivec2 index = k + base;
-#ifdef FOG_REPEAT
-    index = ivec2(index.x % level.z, index.y % level.w);
-    index = ivec2(index.x < 0 ? index.x + level.z : index.x, index.y < 0 ? index.y + level.w : index.y);
-#endif
-    return index;
-}
-
 // Integral of density * height over t in [from, to] on level l's grid; stops beyond `enough`.
+// There is no branch on the cell: an empty one has a negative "density", which the clamp turns into 0,
+// and with FOG_SKIP a radius by which the step is longer.
 float fog_walk(FogRay ray, int l, float from, float to, float enough) {
     ivec4 level = fog.level[l];
     int e = fog.base.z - l;
-    float cell_size = float(1 << e);
-    ivec2 base = ivec2(fog.base.x >> e, fog.base.y >> e);
-    vec2 o = (ray.origin + vec2(float(fog.base.x - (base.x << e)), float(fog.base.y - (base.y << e)))) /
-             cell_size;
-    vec2 g = ray.slope / cell_size;
+    float per_level = 1.0f / float(1 << e);
+    ivec2 whole = ivec2(fog.base.x >> e, fog.base.y >> e);
+    vec2 base = vec2(float(whole.x), float(whole.y));
+    vec2 o = (ray.origin + vec2(float(fog.base.x - (whole.x << e)), float(fog.base.y - (whole.y << e)))) *
+             per_level;
+    vec2 g = ray.slope * per_level;
+    vec2 half_g = 0.5f * g;
     vec2 per_cell = vec2(g.x == 0.0f ? FOG_FAR : 1.0f / g.x, g.y == 0.0f ? FOG_FAR : 1.0f / g.y);
-    vec2 ahead = vec2(g.x < 0.0f ? 0.0f : 1.0f, g.y < 0.0f ? 0.0f : 1.0f);
-#if FOG_PROFILE == FOG_EXPONENTIAL || FOG_PROFILE == FOG_LINEAR
-    float corner = ray.rise == 0.0f ? FOG_FAR : -ray.eta / ray.rise;
+    vec2 forward = vec2(g.x < 0.0f ? -1.0f : 1.0f, g.y < 0.0f ? -1.0f : 1.0f);
+    // t at which the ray leaves column k is (k + face) per_cell.
+    vec2 face = max(forward, vec2(0.0f)) - o;
+    vec2 k = floor(o + g * from);
+#ifdef FOG_LAYERED
+    float up = ray.rise < 0.0f ? -1.0f : 1.0f;
+    float per_rise = ray.rise == 0.0f ? FOG_FAR : 1.0f / ray.rise;
+    float at = ray.eta + ray.rise * from;
+    float plane = ray.rise < 0.0f ? ceil(at) - 1.0f : max(floor(at) + 1.0f, 0.0f);
+    float plane_t = plane < 0.0f || ray.rise == 0.0f ? FOG_FAR : (plane - ray.eta) * per_rise;
 #endif
 
-    vec2 p = o + g * from;
-    ivec2 k = ivec2(int(floor(p.x)), int(floor(p.y)));
-#ifndef FOG_REPEAT
-    k = clamp(k, -base, ivec2(level.z - 1, level.w - 1) - base);
-#endif
     float t = from;
     float sum = 0.0f;
-    for (int i = 0; i < FOG_MAX_STEPS; ++i) {
-        ivec2 index = fog_index(level, k, base);
-        FogCell cell = fog_fetch(level, index);
-        bool empty = FOG_FIRST(cell) < -0.5f * FOG_EMPTY;
-        ivec2 low = k;
-        int size = 1;
-        if (empty) {
-            size = 1 << (int(FOG_FIRST(cell) * (-1.0f / FOG_EMPTY)) - 1);
-            low = k - ivec2(index.x & (size - 1), index.y & (size - 1));
-        }
-        vec2 corner0 = vec2(float(low.x), float(low.y));
-        vec2 cross = (corner0 + ahead * float(size) - o) * per_cell;
+    while (t < to && sum <= enough) {
+        FogCell cell = fog_fetch(level, k + base);
+#ifdef FOG_SKIP
+        // The square of cells k - radius .. k + radius is empty.
+        float radius = max(-FOG_EMPTY - FOG_FIRST(cell), 0.0f);
+        vec2 cross = (k + forward * radius + face) * per_cell;
+#else
+        vec2 cross = (k + face) * per_cell;
+#endif
         float next = min(min(cross.x, cross.y), to);
-#if FOG_PROFILE == FOG_EXPONENTIAL || FOG_PROFILE == FOG_LINEAR
-        next = t < corner ? min(next, corner) : next;
+#ifdef FOG_LAYERED
+        next = min(next, plane_t);
 #endif
         next = max(next, t);
-        vec2 q = o + g * next;
-        if (!empty) {
-            vec2 a = p - corner0;
-            vec2 b = q - corner0;
-#if FOG_PROFILE == FOG_EXPONENTIAL || FOG_PROFILE == FOG_LINEAR
-            float mean = fog_mean_height(cell, a, b, ray.eta + ray.rise * t, ray.eta + ray.rise * next);
+        float dt = next - t;
+        vec2 m = o + half_g * (t + next) - k;
+#ifdef FOG_LAYERED
+        FogMoments h = fog_moments(ray.eta + ray.rise * t, ray.eta + ray.rise * next);
 #else
-            float mean = fog_mean(cell, a, b);
+        FogMoments h = fog_moments(0.0f, 0.0f);
 #endif
-            sum += max(mean, 0.0f) * (next - t);
-        }
-        if (next >= to || sum > enough) {
-            break;
-        }
-        // Crossed faces set the new index exactly; the other axis stays inside the block.
-        ivec2 last = low + ivec2(size - 1, size - 1);
-        ivec2 inside = clamp(ivec2(int(floor(q.x)), int(floor(q.y))), low, last);
-        k = ivec2(cross.x <= next ? (g.x < 0.0f ? low.x - 1 : last.x + 1) : inside.x,
-                  cross.y <= next ? (g.y < 0.0f ? low.y - 1 : last.y + 1) : inside.y);
-#ifndef FOG_REPEAT
-        ivec2 at = k + base;
-        if (at.x < 0 || at.y < 0 || at.x >= level.z || at.y >= level.w) {
-            break;
-        }
+        sum += max(fog_mean(cell, m, half_g * dt, h), 0.0f) * dt;
+
+        // A crossed face gives the new index exactly; after a long step the other axis is looked up,
+        // inside the square.
+#ifdef FOG_SKIP
+        vec2 stay = clamp(floor(o + g * next), k - radius, k + radius);
+        vec2 beyond = k + forward * (radius + 1.0f);
+#else
+        vec2 stay = k;
+        vec2 beyond = k + forward;
+#endif
+        k = vec2(cross.x <= next ? beyond.x : stay.x, cross.y <= next ? beyond.y : stay.y);
+#ifdef FOG_LAYERED
+        plane = plane_t <= next ? plane + up : plane;
+        plane_t = plane < 0.0f || ray.rise == 0.0f ? FOG_FAR : (plane - ray.eta) * per_rise;
 #endif
         t = next;
-        p = q;
     }
     return sum;
 }
@@ -103,15 +99,19 @@ float fog_walk(FogRay ray, int l, float from, float to, float enough) {
 float fog_exact(FogRay ray) {
     float tau_per_sum = fog.scale.w * ray.metres;
     float enough = fog.limit.x / max(tau_per_sum, 1.0e-20f);
-    vec2 range = fog_clip(ray, vec2(0.0f, ray.last));
+    vec2 range = fog_clip(ray);
+    float whole = ray.sky ? range.y : ray.last;
 #if FOG_PROFILE == FOG_EXPONENTIAL
     range = fog_clip_axis(range, ray.eta, ray.rise, -FOG_FAR, FOG_ETA_MAX);
 #endif
     float sum = 0.0f;
     float from = range.x;
     for (int l = fog.base.z; l >= 0; --l) {
-        float to = l == 0 ? range.y : min(range.y, fog.reach[l].x - ray.passed);
-        if (to > from && sum <= enough) {
+        if (from >= range.y || sum > enough) {
+            break;
+        }
+        float to = l == 0 ? range.y : min(range.y, fog.reach[l].x * (ray.passed + whole) - ray.passed);
+        if (to > from) {
             sum += fog_walk(ray, l, from, to, enough - sum);
             from = to;
         }

@@ -1,5 +1,5 @@
 // The fog post-process for one fog: depth (and colour) in, fogged colour or optical depth out.
-// Defines: FOG_DEGREE, FOG_PROFILE, FOG_REPEAT, FOG_METHOD; FOG_OUTPUT_TAU writes optical depth
+// Defines: FOG_DEGREE, FOG_PROFILE, FOG_REPEAT, FOG_SKIP, FOG_METHOD; FOG_OUTPUT_TAU writes optical depth
 // instead of colour; FOG_PREVIOUS_TAU adds the optical depth of the fogs drawn before.
 // Blend: L = T L_scene + (1 - T) L_fog (paper 004, eq. 4), linear colours.
 precision highp float;
@@ -9,7 +9,7 @@ precision highp sampler2D;
 #define FOG_METHOD_EXACT 0
 #define FOG_METHOD_MARCH 1
 #define FOG_METHOD_HOMOGENEOUS 2
-#define FOG_MAX_STEPS 65536
+#define FOG_METHOD_NONE 3
 
 #include "fog_block.glsl"
 
@@ -45,9 +45,14 @@ float optical_depth(vec2 pixel, float depth) {
     }
     float metres = length(path);
     if (sky) {
-        path /= metres;
-        metres = 1.0f;
+        path *= fog.limit.z / metres;
+        metres = fog.limit.z;
     }
+#if FOG_METHOD == FOG_METHOD_HOMOGENEOUS
+    return fog_homogeneous(metres);
+#elif FOG_METHOD == FOG_METHOD_NONE
+    return 0.0f;
+#else
     FogRay ray;
     ray.origin = fog.eye.xy + start.xz * fog.scale.xy;
     ray.slope = path.xz * fog.scale.xy;
@@ -56,15 +61,12 @@ float optical_depth(vec2 pixel, float depth) {
     ray.metres = metres;
     ray.passed = 0.0f;
     ray.last = 1.0f;
-    if (sky) {
-        ray = fog_sky_ray(ray);
-    }
+    ray.sky = sky;
 #if FOG_METHOD == FOG_METHOD_EXACT
     return fog_exact(ray);
-#elif FOG_METHOD == FOG_METHOD_MARCH
-    return fog_march(ray, view.samples.x);
 #else
-    return fog_homogeneous(ray);
+    return fog_march(ray, view.samples.x);
+#endif
 #endif
 }
 

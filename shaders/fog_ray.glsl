@@ -1,7 +1,8 @@
 // A view ray in the fog's own coordinates, and where it meets fog. Compiles as GLSL and as C++ (GLM).
 //
-// The ray is parametrised by t: t = 0 at `origin`, and |OP| metres of path per unit of t. All other
-// quantities are per unit of t, so the walk needs no square root and no world coordinate.
+// The ray is parametrised by t, `metres` of path per unit of t, so that the walk needs no square root
+// and no world coordinate. A surface lies at t = 1; a sky pixel's ray goes on to `last` = 1, the
+// longest sky ray, and its far end is where the map ends (FogRay.sky).
 // eta is the height in units of the profile: slab 0 (bottom) .. 1 (top), exponential (y - base) / scale,
 // linear 0 (base) .. 1 (top).
 
@@ -13,6 +14,11 @@
 
 #define FOG_FAR 1.0e30f
 
+// Profiles that change with height: the walk steps from one integer eta to the next.
+#if FOG_PROFILE == FOG_EXPONENTIAL || FOG_PROFILE == FOG_LINEAR
+#define FOG_LAYERED
+#endif
+
 // Above 40 scale heights the exponential profile is below 5e-18 and the walk need not go.
 #define FOG_ETA_MAX 40.0f
 
@@ -21,9 +27,10 @@ struct FogRay {
     vec2 slope;    // finest cells per unit t
     float eta;     // height at t = 0
     float rise;    // eta per unit t
-    float metres;  // path length per unit t: |OP|
-    float passed;  // fraction of |OP| that lies before t = 0 (0 unless the ray was re-based)
+    float metres;  // path length per unit t
+    float passed;  // t that lies between the eye and the origin (0 unless the ray was re-based)
     float last;    // t of the end point
+    bool sky;      // no surface: |OP| ends with the map (paper 004's P, for the mu rule)
 };
 
 // The part [x, y] of the range where low <= origin + slope * t <= high.
@@ -36,8 +43,9 @@ vec2 fog_clip_axis(vec2 range, float origin, float slope, float low, float high)
     return vec2(max(range.x, min(a, b)), min(range.y, max(a, b)));
 }
 
-// Clips to the map's box (not when it repeats) and to the support of the height profile.
-vec2 fog_clip(FogRay ray, vec2 range) {
+// The part of the ray inside the map's box (not when it repeats) and the height profile's support.
+vec2 fog_clip(FogRay ray) {
+    vec2 range = vec2(0.0f, ray.last);
 #ifndef FOG_REPEAT
     vec2 low = -vec2(float(fog.base.x), float(fog.base.y));
     vec2 high = low + vec2(float(fog.size.x), float(fog.size.y));
@@ -50,18 +58,6 @@ vec2 fog_clip(FogRay ray, vec2 range) {
     range = fog_clip_axis(range, ray.eta, ray.rise, -FOG_FAR, 1.0f);
 #endif
     return range;
-}
-
-// The ray of a sky pixel, given per metre: rescaled so that t = 1 at the far end of the map, or at the
-// longest sky ray where the fog has no end in this direction.
-FogRay fog_sky_ray(FogRay per_metre) {
-    FogRay ray = per_metre;
-    vec2 range = fog_clip(ray, vec2(0.0f, fog.limit.z));
-    float end = max(range.y, 0.0f);
-    ray.slope = ray.slope * end;
-    ray.rise = ray.rise * end;
-    ray.metres = end;
-    return ray;
 }
 
 // 1 - exp(-tau) without cancellation for thin fog.

@@ -13,8 +13,15 @@ struct Ray {
 
 enum class Evaluation { exact, march, homogeneous };
 
-/// Optical depth of the ray with the uniforms of this thread. degree 0..2, profile as FOG_PROFILE.
-float evaluate(int degree, int profile, bool repeat, Evaluation evaluation, const Ray& ray,
-               int samples);
+/// The shader's defines: FOG_DEGREE, FOG_PROFILE, FOG_REPEAT, FOG_SKIP.
+struct Variant {
+    int degree = 0;
+    int profile = 0;
+    bool repeat = false;
+    bool skip = false;
+};
+
+/// Optical depth of the ray with the uniforms of this thread.
+float evaluate(const Variant& variant, Evaluation evaluation, const Ray& ray, int samples);
 
 }  // namespace wavefog::shader

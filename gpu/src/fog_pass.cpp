@@ -1,0 +1,180 @@
+#include "wavefog/gpu/fog_pass.h"
+
+#include <fmt/format.h>
+
+#include "fog_textures.h"
+
+namespace wavefog {
+namespace {
+
+// FOG_METHOD of fog_pass.frag.
+int method_number(const Method& method, bool any_fog) {
+    if (!any_fog) return 3;
+    switch (method.kind) {
+        case MethodKind::march:
+            return 1;
+        case MethodKind::homogeneous:
+            return 2;
+        default:
+            return 0;
+    }
+}
+
+// Texture units of the samplers of fog_pass.frag.
+struct Sampler {
+    const char* name;
+    GLint unit;
+};
+constexpr Sampler kSamplers[] = {
+    {"fog_cells", 0}, {"fog_map", 1}, {"scene_depth", 2}, {"scene_colour", 3}, {"previous_tau", 4}};
+constexpr GLuint kFogBinding = 0, kViewBinding = 1;
+
+struct Target {
+    Texture texture;
+    Framebuffer framebuffer;
+};
+
+}  // namespace
+
+struct FogPass::Impl {
+    const Gl& gl;
+    std::vector<const FogTextures*> fogs;
+    Method method;
+    Eigen::Vector3d fog_colour;
+    // Fog i adds its optical depth to that of the fogs before it; the last one ends in the output.
+    std::vector<Program> add_tau;
+    Program last_colour;
+    Buffer fog_uniforms, view_uniforms;
+    VertexArray vertices;
+    Target partial[2];  ///< optical depth of the fogs drawn so far, in turns
+    int width = 0, height = 0;
+
+    Result<Program> build(std::size_t fog, bool colour) const {
+        std::vector<std::string> defines = {
+            fmt::format("FOG_METHOD {}", method_number(method, !fogs.empty()))};
+        int degree = 0, profile = 0;
+        if (!fogs.empty()) {
+            const auto& facts = fogs[fog]->impl_->facts;
+            degree = facts.degree;
+            profile = profile_number(facts.profile);
+            if (facts.boundary == Boundary::repeat) defines.push_back("FOG_REPEAT");
+            if (facts.skip) defines.push_back("FOG_SKIP");
+        }
+        defines.push_back(fmt::format("FOG_DEGREE {}", degree));
+        defines.push_back(fmt::format("FOG_PROFILE {}", profile));
+        if (!colour) defines.push_back("FOG_OUTPUT_TAU");
+        if (fog > 0) defines.push_back("FOG_PREVIOUS_TAU");
+        auto program = build_program(gl, "post_fullscreen.vert", "fog_pass.frag", defines);
+        if (!program) return program;
+        gl.UseProgram(program->name());
+        for (const auto& sampler : kSamplers)
+            if (const GLint at = gl.GetUniformLocation(program->name(), sampler.name); at >= 0)
+                gl.Uniform1i(at, sampler.unit);
+        bind_block(program->name(), "FogBlock", kFogBinding);
+        bind_block(program->name(), "ViewBlock", kViewBinding);
+        gl.UseProgram(0);
+        return program;
+    }
+
+    void bind_block(GLuint program, const char* name, GLuint binding) const {
+        const GLuint index = gl.GetUniformBlockIndex(program, name);
+        if (index != GL_INVALID_INDEX) gl.UniformBlockBinding(program, index, binding);
+    }
+
+    void bind_texture(GLint unit, GLuint texture) const {
+        gl.ActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
+        gl.BindTexture(GL_TEXTURE_2D, texture);
+    }
+
+    template <class Block>
+    void upload(const Buffer& buffer, GLuint binding, const Block& block) const {
+        gl.BindBuffer(GL_UNIFORM_BUFFER, buffer.name());
+        gl.BufferData(GL_UNIFORM_BUFFER, sizeof(Block), &block, GL_DYNAMIC_DRAW);
+        gl.BindBufferBase(GL_UNIFORM_BUFFER, binding, buffer.name());
+    }
+
+    void make_partial_targets(int w, int h) {
+        if (w == width && h == height) return;
+        width = w;
+        height = h;
+        for (auto& target : partial) {
+            target.texture = make_texture_2d(gl, GL_R32F, w, h, GL_RED, GL_FLOAT, nullptr);
+            if (auto framebuffer = make_framebuffer(gl, target.texture.name()))
+                target.framebuffer = std::move(*framebuffer);
+        }
+    }
+
+    void draw(const FrameTarget& frame, const Camera& camera, GLuint output, double seconds,
+              bool colour) {
+        const std::size_t count = std::max<std::size_t>(fogs.size(), 1);
+        if (count > 1) make_partial_targets(frame.width, frame.height);
+        const auto matrices = camera_matrices(camera, frame.width, frame.height);
+        upload(view_uniforms, kViewBinding,
+               view_block(matrices, camera, frame.width, frame.height, fog_colour, method.samples));
+        gl.Viewport(0, 0, frame.width, frame.height);
+        gl.Disable(GL_DEPTH_TEST);
+        gl.Disable(GL_BLEND);
+        gl.BindVertexArray(vertices.name());
+        bind_texture(2, frame.depth.name());
+        bind_texture(3, frame.colour.name());
+        for (std::size_t i = 0; i < count; ++i) {
+            const bool last = i + 1 == count;
+            gl.BindFramebuffer(GL_FRAMEBUFFER, last ? output : partial[i % 2].framebuffer.name());
+            gl.UseProgram(last && colour ? last_colour.name() : add_tau[i].name());
+            if (!fogs.empty()) {
+                const auto& fog = *fogs[i]->impl_;
+                upload(fog_uniforms, kFogBinding,
+                       fog_block(fog.facts, camera.eye, method.mu, seconds, sky_limit(camera)));
+                bind_texture(0, fog.cells.name());
+                bind_texture(1, fog.map.name());
+            }
+            if (i > 0) bind_texture(4, partial[(i - 1) % 2].texture.name());
+            gl.DrawArrays(GL_TRIANGLES, 0, 3);
+        }
+        for (GLint unit = 4; unit >= 0; --unit) bind_texture(unit, 0);
+        gl.BindVertexArray(0);
+        gl.UseProgram(0);
+    }
+};
+
+FogPass::FogPass(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+FogPass::FogPass(FogPass&&) noexcept = default;
+FogPass& FogPass::operator=(FogPass&&) noexcept = default;
+FogPass::~FogPass() = default;
+
+Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fogs,
+                                const Method& method, const Eigen::Vector3d& fog_colour) {
+    if (method.kind == MethodKind::reference)
+        return usage_error(
+            "method reference runs on the CPU (class Reference); the fog pass draws "
+            "exact, march:N or homogeneous");
+    auto impl = std::unique_ptr<Impl>(
+        new Impl{gl, std::move(fogs), method, fog_colour, {}, {}, {}, {}, {}, {}, 0, 0});
+    const std::size_t count = std::max<std::size_t>(impl->fogs.size(), 1);
+    for (std::size_t i = 0; i < count; ++i) {
+        auto program = impl->build(i, false);
+        if (!program) return tl::unexpected(program.error());
+        impl->add_tau.push_back(std::move(*program));
+    }
+    auto colour = impl->build(count - 1, true);
+    if (!colour) return tl::unexpected(colour.error());
+    impl->last_colour = std::move(*colour);
+    impl->fog_uniforms =
+        make_buffer(gl, GL_UNIFORM_BUFFER, sizeof(shader::FogBlock), nullptr, GL_DYNAMIC_DRAW);
+    impl->view_uniforms =
+        make_buffer(gl, GL_UNIFORM_BUFFER, sizeof(shader::ViewBlock), nullptr, GL_DYNAMIC_DRAW);
+    impl->vertices = make_vertex_array(gl);
+    return FogPass(std::move(impl));
+}
+
+void FogPass::draw_colour(const FrameTarget& frame, const Camera& camera, GLuint output_framebuffer,
+                          double seconds) {
+    impl_->draw(frame, camera, output_framebuffer, seconds, true);
+}
+
+void FogPass::draw_optical_depth(const FrameTarget& frame, const Camera& camera,
+                                 GLuint output_framebuffer, double seconds) {
+    impl_->draw(frame, camera, output_framebuffer, seconds, false);
+}
+
+}  // namespace wavefog

@@ -1,0 +1,147 @@
+#include "fog_uniforms.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace wavefog {
+namespace {
+
+// Looking for empty squares makes every step a third dearer (llvmpipe, 64x64 linear).
+constexpr double kSkipFrom = 0.3;
+
+glm::vec4 to_vec4(const Eigen::Vector4d& v) {
+    return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z()),
+            static_cast<float>(v.w())};
+}
+
+}  // namespace
+
+FogFacts fog_facts(const Fog& fog, const CellAtlas& atlas) {
+    const auto& d = fog.decomposition;
+    FogFacts facts;
+    facts.rect = fog.rect;
+    facts.profile = fog.profile;
+    facts.wind = fog.wind;
+    facts.extinction = fog.extinction;
+    facts.degree = fog.degree();
+    facts.boundary = d.boundary;
+    facts.width = d.width;
+    facts.height = d.height;
+    facts.cells_x = d.width + (d.boundary == Boundary::zero ? fog.degree() : 0);
+    facts.cells_z = d.height + (d.boundary == Boundary::zero ? fog.degree() : 0);
+    facts.levels = atlas.levels;
+    facts.density_scale = atlas.density_scale;
+    facts.mean_density = atlas.mean_density;
+    facts.skip = atlas.skippable > kSkipFrom;
+    return facts;
+}
+
+int profile_number(const Profile& profile) {
+    switch (profile.kind) {
+        case Profile::Kind::uniform:
+            return 0;
+        case Profile::Kind::slab:
+            return 1;
+        case Profile::Kind::exponential:
+            return 2;
+        case Profile::Kind::linear:
+            return 3;
+    }
+    return 0;
+}
+
+double sky_limit(const Camera& camera) {
+    return std::isfinite(camera.far_plane) ? camera.far_plane : 1e6;
+}
+
+shader::FogBlock fog_block(const FogFacts& fog, const Eigen::Vector3d& eye, double mu,
+                           double seconds, double limit) {
+    shader::FogBlock block{};
+    const double cell_x = (fog.rect.x1 - fog.rect.x0) / fog.width;
+    const double cell_z = (fog.rect.z1 - fog.rect.z0) / fog.height;
+    const double u = (eye.x() - fog.rect.x0 - fog.wind[0] * seconds) / cell_x + fog.degree / 2.0;
+    const double v = (eye.z() - fog.rect.z0 - fog.wind[1] * seconds) / cell_z + fog.degree / 2.0;
+    // Beyond 2^23 cells an int would still do but a float would not count them.
+    const auto base = [](double c) { return std::clamp(std::floor(c), -8388608.0, 8388608.0); };
+    double eta_per_metre = 0, datum = 0;
+    switch (fog.profile.kind) {
+        case Profile::Kind::uniform:
+            break;
+        case Profile::Kind::slab:
+            datum = fog.profile.bottom;
+            eta_per_metre = 1 / (fog.profile.top - fog.profile.bottom);
+            break;
+        case Profile::Kind::exponential:
+            datum = fog.profile.base;
+            eta_per_metre = 1 / fog.profile.scale;
+            break;
+        case Profile::Kind::linear:
+            datum = fog.profile.base;
+            eta_per_metre = 1 / (fog.profile.top - fog.profile.base);
+            break;
+    }
+    const int finest = static_cast<int>(fog.levels.size()) - 1;
+    block.base = {static_cast<int>(base(u)), static_cast<int>(base(v)), finest, 0};
+    block.eye = {static_cast<float>(u - base(u)), static_cast<float>(v - base(v)),
+                 static_cast<float>((eye.y() - datum) * eta_per_metre), 0};
+    block.scale = {static_cast<float>(1 / cell_x), static_cast<float>(1 / cell_z),
+                   static_cast<float>(eta_per_metre),
+                   static_cast<float>(fog.extinction * fog.density_scale)};
+    block.limit = {static_cast<float>(kStopOpticalDepth), static_cast<float>(fog.mean_density),
+                   static_cast<float>(limit), 0};
+    block.size = {fog.cells_x, fog.cells_z, fog.width, fog.height};
+    for (int l = 0; l <= finest; ++l) {
+        block.level[l] = fog.levels[static_cast<std::size_t>(l)];
+        block.reach[l].x = static_cast<float>(std::pow(mu, l));
+    }
+    return block;
+}
+
+shader::ViewBlock view_block(const CameraMatrices& matrices, const Camera& camera, int width,
+                             int height, const Eigen::Vector3d& fog_colour, int samples) {
+    // Camera-relative: the view's rotation alone, so that no world coordinate reaches the shader.
+    Eigen::Matrix4d rotation = matrices.view;
+    rotation.topRightCorner<3, 1>().setZero();
+    const Eigen::Matrix4d from_clip = (matrices.projection * rotation).inverse();
+    const Eigen::Vector4d at0 = from_clip.col(3), at1 = from_clip.col(3) + from_clip.col(2);
+    shader::ViewBlock block{};
+    block.pixel = {static_cast<float>(2.0 / width), static_cast<float>(2.0 / height),
+                   static_cast<float>(matrices.sky_depth),
+                   camera.projection == Camera::Projection::orthographic ? 1.0f : 0.0f};
+    for (int i = 0; i < 2; ++i) block.depth0[i] = block.depth1[i] = to_vec4(from_clip.col(i));
+    block.depth0[2] = to_vec4(at0);
+    block.depth1[2] = to_vec4(at1);
+    block.fog_colour = {static_cast<float>(fog_colour.x()), static_cast<float>(fog_colour.y()),
+                        static_cast<float>(fog_colour.z()), 1};
+    block.samples = {samples, 0, 0, 0};
+    return block;
+}
+
+PixelRay pixel_ray(const CameraMatrices& matrices, const Camera& camera, int width, int height,
+                   int x, int y_from_top, double depth) {
+    Eigen::Matrix4d rotation = matrices.view;
+    rotation.topRightCorner<3, 1>().setZero();
+    const Eigen::Matrix4d from_clip = (matrices.projection * rotation).inverse();
+    const Eigen::Vector2d ndc(2 * (x + 0.5) / width - 1, 1 - 2 * (y_from_top + 0.5) / height);
+    const auto at = [&](double d) -> Eigen::Vector4d {
+        return from_clip * Eigen::Vector4d(ndc.x(), ndc.y(), d, 1);
+    };
+    PixelRay ray;
+    ray.sky = depth == matrices.sky_depth;
+    const Eigen::Vector4d surface = at(depth);
+    Eigen::Vector3d start = Eigen::Vector3d::Zero(), path;
+    if (camera.projection == Camera::Projection::orthographic) {
+        start = at(1 - matrices.sky_depth).head<3>();
+        path = at(ray.sky ? matrices.sky_depth : depth).head<3>() - start;
+    } else {
+        path = ray.sky ? Eigen::Vector3d(surface.head<3>())
+                       : Eigen::Vector3d(surface.head<3>() / surface.w());
+    }
+    if (ray.sky) path.normalize();
+    ray.origin = camera.eye + start;
+    ray.end = ray.origin + path;
+    return ray;
+}
+
+}  // namespace wavefog

@@ -1,0 +1,47 @@
+// Fills the shader's uniform blocks from a fog, an eye and a camera, in double.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "cell_atlas.h"
+#include "glsl_in_cpp.h"
+#include "wavefog/fogmap/fog.h"
+#include "wavefog/fogmap/scene.h"
+#include "wavefog/gpu/fog_pass.h"
+
+namespace wavefog {
+
+/// What the uniforms need of a fog once its textures are made.
+struct FogFacts {
+    Rect rect;
+    Profile profile;
+    std::array<double, 2> wind = {0, 0};
+    double extinction = 1;
+    int degree = 1;
+    Boundary boundary = Boundary::zero;
+    int width = 0, height = 0;  ///< map pixels
+    int cells_x = 0, cells_z = 0;
+    std::vector<glm::ivec4> levels;
+    double density_scale = 1, mean_density = 0;
+    bool skip = false;  ///< enough empty squares for FOG_SKIP to pay
+};
+FogFacts fog_facts(const Fog& fog, const CellAtlas& atlas);
+
+/// FOG_PROFILE of fog_ray.glsl.
+int profile_number(const Profile& profile);
+
+/// The walk stops at this optical depth: T below 2^-21, a quarter of the accuracy that is promised.
+inline constexpr double kStopOpticalDepth = 14.6;
+
+/// Rays start near `eye` (world metres): coordinates are counted from its cell, so that float32
+/// keeps its precision at any world offset. `sky_limit`: longest sky ray, metres.
+shader::FogBlock fog_block(const FogFacts& fog, const Eigen::Vector3d& eye, double mu,
+                           double seconds, double sky_limit);
+
+shader::ViewBlock view_block(const CameraMatrices& matrices, const Camera& camera, int width,
+                             int height, const Eigen::Vector3d& fog_colour, int samples);
+
+/// Sky rays end here when nothing else ends them, metres: the far plane, or 1000 km without one.
+double sky_limit(const Camera& camera);
+
+}  // namespace wavefog

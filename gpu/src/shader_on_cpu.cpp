@@ -1,0 +1,78 @@
+// The fog shader's maths on the CPU, for one ray at a time.
+#include <algorithm>
+#include <cmath>
+
+#include "fog_uniforms.h"
+#include "fog_variants.h"
+#include "wavefog/gpu/fog_pass.h"
+
+namespace wavefog {
+
+struct ShaderOnCpu::Impl {
+    CellAtlas atlas;
+    Grid<float> map;
+    FogFacts facts;
+    Method method;
+};
+
+ShaderOnCpu::ShaderOnCpu(const Fog& fog, const Method& method) : impl_(std::make_unique<Impl>()) {
+    const auto pyramid = approximations(fog.decomposition);
+    impl_->atlas = build_cell_atlas(pyramid);
+    impl_->map = pyramid.levels.back().values / static_cast<float>(impl_->atlas.density_scale);
+    impl_->facts = fog_facts(fog, impl_->atlas);
+    impl_->method = method;
+}
+ShaderOnCpu::ShaderOnCpu(ShaderOnCpu&&) noexcept = default;
+ShaderOnCpu::~ShaderOnCpu() = default;
+
+double ShaderOnCpu::optical_depth(const Eigen::Vector3d& o, const Eigen::Vector3d& p) const {
+    const auto& fog = impl_->facts;
+    const Eigen::Vector3d path = p - o;
+    const double metres = path.norm();
+    if (metres == 0) return 0;
+
+    // Re-base in double where the ray enters the map's box: float32 then counts from there
+    // (stability.md, rows 4 and 5).
+    double entry = 0;
+    if (fog.boundary == Boundary::zero && impl_->method.kind != MethodKind::homogeneous) {
+        const double cell_x = (fog.rect.x1 - fog.rect.x0) / fog.width;
+        const double cell_z = (fog.rect.z1 - fog.rect.z0) / fog.height;
+        const double margin_x = cell_x * fog.degree / 2.0, margin_z = cell_z * fog.degree / 2.0;
+        const auto enter = [&](double from, double slope, double low, double high) {
+            if (slope == 0) return 0.0;
+            return std::min((low - from) / slope, (high - from) / slope);
+        };
+        entry =
+            std::max({0.0, enter(o.x(), path.x(), fog.rect.x0 - margin_x, fog.rect.x1 + margin_x),
+                      enter(o.z(), path.z(), fog.rect.z0 - margin_z, fog.rect.z1 + margin_z)});
+        if (entry >= 1) return 0;
+    }
+    namespace s = shader;
+    s::fog = fog_block(fog, o + entry * path, impl_->method.mu, 0, 0);
+    s::fog_cells = {impl_->atlas.texels.data(),
+                    impl_->atlas.width,
+                    impl_->atlas.height,
+                    impl_->atlas.channels,
+                    false,
+                    false};
+    s::fog_map = {impl_->map.data(), fog.width, fog.height, 1, fog.boundary == Boundary::repeat,
+                  fog.degree > 0};
+    s::Ray ray;
+    ray.origin = {s::fog.eye.x, s::fog.eye.y};
+    ray.slope = {static_cast<float>(path.x() * fog.width / (fog.rect.x1 - fog.rect.x0)),
+                 static_cast<float>(path.z() * fog.height / (fog.rect.z1 - fog.rect.z0))};
+    ray.eta = s::fog.eye.z;
+    ray.rise = static_cast<float>(path.y()) * s::fog.scale.z;
+    ray.metres = static_cast<float>(metres);
+    ray.passed = static_cast<float>(entry);
+    ray.last = static_cast<float>(1 - entry);
+    const auto evaluation = impl_->method.kind == MethodKind::march ? s::Evaluation::march
+                            : impl_->method.kind == MethodKind::homogeneous
+                                ? s::Evaluation::homogeneous
+                                : s::Evaluation::exact;
+    return s::evaluate(
+        {fog.degree, profile_number(fog.profile), fog.boundary == Boundary::repeat, fog.skip},
+        evaluation, ray, impl_->method.samples);
+}
+
+}  // namespace wavefog
