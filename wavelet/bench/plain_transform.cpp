@@ -8,10 +8,12 @@ namespace {
 void forward_line(float* samples, float* line, int n, std::ptrdiff_t stride) {
     const int half = n / 2;
     for (int k = 0; k < half; ++k)
-        line[half + k] = samples[2 * k * stride] / 2 -
-                         (samples[((2 * k + n - 1) % n) * stride] + samples[(2 * k + 1) * stride]) / 4;
+        line[half + k] =
+            samples[2 * k * stride] / 2 -
+            (samples[((2 * k + n - 1) % n) * stride] + samples[(2 * k + 1) * stride]) / 4;
     for (int k = 0; k < half; ++k)
-        line[k] = samples[(2 * k + 1) * stride] + (line[half + k] + line[half + (k + 1) % half]) / 2;
+        line[k] =
+            samples[(2 * k + 1) * stride] + (line[half + k] + line[half + (k + 1) % half]) / 2;
     for (int i = 0; i < n; ++i) samples[i * stride] = line[i];
 }
 

@@ -1,5 +1,5 @@
-// The transform as a textbook writes it, for comparison: 2,2 lifting in place, rows then columns, one
-// sample at a time (compiled without vectorisation). Periodic, square, power-of-two size.
+// The transform as a textbook writes it, for comparison: 2,2 lifting in place, rows then columns,
+// one sample at a time (compiled without vectorisation). Periodic, square, power-of-two size.
 #pragma once
 
 namespace wavefog::bench {

@@ -1,7 +1,7 @@
 // Forward plus inverse transform of a 2048 x 2048 float map on one core, beside memcpy of the same
 // bytes. Rules: every case runs in this one program; memcpy is timed again in the middle of each
-// case, so that another load on the machine hits both; counter "memcpys" = time of the case / time of
-// memcpy; memory is allocated by the library inside the timed region, as it is for a caller.
+// case, so that another load on the machine hits both; counter "memcpys" = time of the case / time
+// of memcpy; memory is allocated by the library inside the timed region, as it is for a caller.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -60,7 +60,8 @@ void compare(benchmark::State& state, const Work& work) {
         state.SetIterationTime(works.back());
     }
     const auto median = [](std::vector<double>& values) {
-        std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+        std::nth_element(values.begin(),
+                         values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
                          values.end());
         return values[values.size() / 2];
     };
@@ -69,7 +70,9 @@ void compare(benchmark::State& state, const Work& work) {
     state.counters["memcpys"] = median(works) / median(copies);
 }
 
-void copy(benchmark::State& state) { compare(state, [] { memcpy_seconds(); }); }
+void copy(benchmark::State& state) {
+    compare(state, [] { memcpy_seconds(); });
+}
 
 void round_trip(benchmark::State& state, Family family, Form form) {
     compare(state, [&] {
