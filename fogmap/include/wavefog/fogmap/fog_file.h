@@ -20,11 +20,18 @@ struct SaveOptions {
     Layout layout = Layout::atlas;
 };
 
+/// Writes NAME.exr (for Layout::levels one NAME.lN.exr a level, N as in PackedLevel::level) and the
+/// same description as JSON, NAME.json. Temporary names first, so that a failure leaves nothing.
+/// Texels are coefficients divided by "scale", a power of two that brings them into [-1, 1]; as float
+/// they come back bit for bit.
 Result<void> save_fog(const std::filesystem::path& file, const Fog& fog, const SaveOptions& = {});
+
+/// Reads the .exr or the .json of save_fog; of Layout::levels any of its files or the name given when
+/// it was saved. Damaged files and descriptions that do not fit their images are data errors.
 Result<Fog> load_fog(const std::filesystem::path& file);
 
-/// True if the extension is that of a fog file and the file is one (an ordinary .exr picture is
-/// not).
+/// True if the extension is that of a fog file and the file is one (an ordinary .exr picture is not).
+/// A .wfog file counts by its extension; load_fog tells that this version cannot read it.
 bool is_fog_file(const std::filesystem::path& file);
 
 }  // namespace wavefog
