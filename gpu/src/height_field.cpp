@@ -11,16 +11,17 @@ namespace wavefog {
 
 namespace {
 
-constexpr std::size_t levels_of_8_bits = 256;
-
-/// The step between neighbouring grey values of a picture with 8 bits or fewer, 0 otherwise.
+/// The step between neighbouring grey values of a picture with 8 bits or fewer, 0 for others: those
+/// with more grey values, and those with so few that their cliffs may be meant.
 float quantisation_step(const Grid<float>& values) {
+    constexpr std::size_t least = 16, most = 256, pixels_a_value = 4;
     std::set<float> distinct;
     for (const float value : values.reshaped()) {
         distinct.insert(value);
-        if (distinct.size() > levels_of_8_bits) return 0;
+        if (distinct.size() > most) return 0;
     }
-    if (distinct.size() < 2) return 0;
+    if (distinct.size() < least || distinct.size() * pixels_a_value > std::size_t(values.size()))
+        return 0;
     float step = *distinct.rbegin() - *distinct.begin();
     for (auto value = std::next(distinct.begin()); value != distinct.end(); ++value)
         step = std::min(step, *value - *std::prev(value));
