@@ -50,7 +50,8 @@ TEST_CASE("Fast split and merge equal the filters, for any size and start") {
                         family.degree == 0 ? Band<double>{fine.values} : fine;
                     const Rect rect = rect_of(aligned);
                     Detail<double> fast, generic;
-                    const Band<double> a = lifting_split(family.degree, aligned.values, rect, fast);
+                    Band<double> a;
+                    lifting_split<double>(family.degree, aligned.values, rect, {&fast, 1}, a);
                     check_same(a, scheme.split(aligned, generic));
                     check_same(fast.phi_psi, generic.phi_psi);
                     check_same(fast.psi_phi, generic.psi_phi);
@@ -61,10 +62,40 @@ TEST_CASE("Fast split and merge equal the filters, for any size and start") {
                                                 noise_like(fast.psi_phi, random),
                                                 noise_like(fast.psi_psi, random),
                                                 {}};
-                    const Grid<double> merged = lifting_merge(family.degree, coarse, detail, rect);
+                    Grid<double> merged;
+                    lifting_merge<double>(family.degree, coarse, {&detail, 1}, rect, merged);
                     check_same({merged, rect.x.first, rect.z.first},
                                scheme.merge(coarse, detail, rect, rect));
                 }
+    }
+}
+
+TEST_CASE("All levels at once equal the filters level by level, with reused storage too") {
+    Random random(53);
+    for (const Family& family :
+         {Family{Family::Kind::cdf, 0, 1}, Family{Family::Kind::cdf, 1, 2}}) {
+        const Scheme scheme = *Scheme::make(family, Boundary::zero);
+        Decomposition<double> fast;  // keeps its storage from one size to the next
+        Grid<double> back;
+        for (const auto& [width, height] :
+             {std::pair{64, 64}, {64, 64}, {37, 5}, {1, 19}, {50, 1}}) {
+            const auto map = make_map<double>(MapKind::random, width, height, random);
+            REQUIRE(
+                decompose_into(map, family, 8, Form::wavelet, Boundary::zero, fast).has_value());
+            Band<double> level{map};
+            for (int l = fast.levels(); l > 0; --l) {
+                Detail<double> generic;
+                level = scheme.split(level, generic);
+                const auto& detail = fast.details[static_cast<std::size_t>(l - 1)];
+                check_same(detail.phi_psi, generic.phi_psi);
+                check_same(detail.psi_phi, generic.psi_phi);
+                check_same(detail.psi_psi, generic.psi_psi);
+                CHECK(detail.residual.values.size() == 0);
+            }
+            check_same(fast.approximation, level);
+            reconstruct_into(fast, back);
+            check_same({back}, {map});
+        }
     }
 }
 

@@ -33,17 +33,6 @@ std::vector<Rect> level_rects(const Scheme& scheme, const Decomposition<T>& deco
     return scheme.level_rects(decomposition.width, decomposition.height, decomposition.levels());
 }
 
-template <class T>
-void decompose_lifting(const Grid<T>& map, Decomposition<T>& out) {
-    const Grid<T>* fine = &map;
-    Rect rect{{0, out.width - 1}, {0, out.height - 1}};
-    for (auto detail = out.details.rbegin(); detail != out.details.rend(); ++detail) {
-        out.approximation = lifting_split(out.degree(), *fine, rect, *detail);
-        fine = &out.approximation.values;
-        rect = rect_of(out.approximation);
-    }
-}
-
 // All arithmetic is in double, so a float map is rounded once per stored coefficient: that alone
 // takes the round trip of 4,6 at 1000x1001 from 18 to 3 units of 2^-24 of the maximum.
 template <class T>
@@ -67,22 +56,38 @@ void decompose_filtering(const Scheme& scheme, const Grid<T>& map, Decomposition
 }
 
 template <class T>
-Band<T> merge_lifting(const Decomposition<T>& decomposition, const Scheme& scheme,
-                      const Band<T>& coarse, const Detail<T>& detail, const Rect& rect) {
-    const Range phi_x = scheme.coarse(Part::low, rect.x), psi_x = scheme.coarse(Part::high, rect.x);
-    const Range phi_z = scheme.coarse(Part::low, rect.z), psi_z = scheme.coarse(Part::high, rect.z);
-    const Rect phi_psi{phi_x, psi_z}, psi_phi{psi_x, phi_z}, psi_psi{psi_x, psi_z};
-    const bool fits = rect_of(detail.phi_psi) == phi_psi && rect_of(detail.psi_phi) == psi_phi &&
-                      rect_of(detail.psi_psi) == psi_psi;
-    const auto merged = [&](const Detail<T>& fitting) {
-        return Band<T>{lifting_merge(decomposition.degree(), coarse, fitting, rect), rect.x.first,
-                       rect.z.first};
+bool uses_lifting(const Decomposition<T>& decomposition) {
+    return decomposition.form == Form::wavelet && decomposition.levels() > 0 &&
+           has_lifting(decomposition.family, decomposition.boundary);
+}
+
+// Lifting writes bands of known rectangles only. A decomposition whose bands differ (edited or read
+// from elsewhere) is cropped or filled with zeros into `storage`, as filtering does by itself.
+template <class T>
+const Decomposition<T>& fitted(const Decomposition<T>& given, const Scheme& scheme,
+                               const std::vector<Rect>& rects, Decomposition<T>& storage) {
+    bool fits = rect_of(given.approximation) == rects[0];
+    const auto for_each_band = [&](std::size_t l, auto& detail, const auto& act) {
+        const Rect& fine = rects[l + 1];
+        const Range phi_x = scheme.coarse(Part::low, fine.x);
+        const Range phi_z = scheme.coarse(Part::low, fine.z);
+        const Range psi_x = scheme.coarse(Part::high, fine.x);
+        const Range psi_z = scheme.coarse(Part::high, fine.z);
+        act(detail.phi_psi, Rect{phi_x, psi_z});
+        act(detail.psi_phi, Rect{psi_x, phi_z});
+        act(detail.psi_psi, Rect{psi_x, psi_z});
     };
-    if (fits) return merged(detail);
-    return merged({cropped(detail.phi_psi, phi_psi),
-                   cropped(detail.psi_phi, psi_phi),
-                   cropped(detail.psi_psi, psi_psi),
-                   {}});
+    for (std::size_t l = 0; l < given.details.size(); ++l)
+        for_each_band(l, given.details[l], [&](const Band<T>& band, const Rect& rect) {
+            fits = fits && rect_of(band) == rect;
+        });
+    if (fits) return given;
+    storage = given;
+    storage.approximation = cropped(given.approximation, rects[0]);
+    for (std::size_t l = 0; l < storage.details.size(); ++l)
+        for_each_band(l, storage.details[l],
+                      [](Band<T>& band, const Rect& rect) { band = cropped(band, rect); });
+    return storage;
 }
 
 Band<double> merge_filtering(Form form, const Scheme& scheme, const Band<double>& coarse,
@@ -96,21 +101,9 @@ Band<double> merge_filtering(Form form, const Scheme& scheme, const Band<double>
 // Calls visit(l, c_l) from the coarsest level to the finest; c_l may be moved from at the finest.
 // True coefficients are 0 outside their level's rectangle, so cropping there loses nothing.
 template <class T, class Visit>
-void synthesise(const Decomposition<T>& decomposition, const Visit& visit) {
-    const Scheme scheme = scheme_of(decomposition);
-    const std::vector<Rect> rects = level_rects(scheme, decomposition);
-    Band<T> coarsest = cropped(decomposition.approximation, rects[0]);
-    if (decomposition.form == Form::wavelet &&
-        has_lifting(decomposition.family, decomposition.boundary)) {
-        visit(0, coarsest);
-        for (std::size_t l = 1; l < rects.size(); ++l) {
-            coarsest = merge_lifting(decomposition, scheme, coarsest, decomposition.details[l - 1],
-                                     rects[l]);
-            visit(static_cast<int>(l), coarsest);
-        }
-        return;
-    }
-    Band<double> level = cast<double>(coarsest);
+void filter_up(const Scheme& scheme, const Decomposition<T>& decomposition,
+               const std::vector<Rect>& rects, const Visit& visit) {
+    Band<double> level = cast<double>(cropped(decomposition.approximation, rects[0]));
     visit(0, level);
     for (std::size_t l = 1; l < rects.size(); ++l) {
         level = merge_filtering(decomposition.form, scheme, level,
@@ -131,8 +124,8 @@ void assign(Grid<To>& to, Grid<From>& from) {
 }  // namespace
 
 template <class T>
-Result<Decomposition<T>> decompose(const Grid<T>& map, const Family& family, int levels, Form form,
-                                   Boundary boundary) {
+Result<void> decompose_into(const Grid<T>& map, const Family& family, int levels, Form form,
+                            Boundary boundary, Decomposition<T>& out) {
     if (map.rows() < 1 || map.cols() < 1)
         return usage_error("map: has no pixels; give at least 1x1");
     if (levels < 0)
@@ -143,7 +136,6 @@ Result<Decomposition<T>> decompose(const Grid<T>& map, const Family& family, int
     const Result<Scheme> scheme = Scheme::make(family, boundary);
     if (!scheme) return tl::unexpected<Error>(scheme.error());
 
-    Decomposition<T> out;
     out.family = family;
     out.form = form;
     out.boundary = boundary;
@@ -152,11 +144,21 @@ Result<Decomposition<T>> decompose(const Grid<T>& map, const Family& family, int
     const int used = std::min(levels, max_levels(family, out.width, out.height, boundary));
     out.details.resize(static_cast<std::size_t>(used));
     if (used == 0)
-        out.approximation.values = map;
-    else if (form == Form::wavelet && has_lifting(family, boundary))
-        decompose_lifting(map, out);
+        out.approximation = {map};
+    else if (uses_lifting(out))
+        lifting_split<T>(out.degree(), map, {{0, out.width - 1}, {0, out.height - 1}}, out.details,
+                         out.approximation);
     else
         decompose_filtering(*scheme, map, out);
+    return {};
+}
+
+template <class T>
+Result<Decomposition<T>> decompose(const Grid<T>& map, const Family& family, int levels, Form form,
+                                   Boundary boundary) {
+    Decomposition<T> out;
+    const Result<void> done = decompose_into(map, family, levels, form, boundary, out);
+    if (!done) return tl::unexpected<Error>(done.error());
     return out;
 }
 
@@ -167,18 +169,48 @@ Pyramid<T> approximations(const Decomposition<T>& decomposition) {
                        decomposition.width,
                        decomposition.height,
                        {}};
-    synthesise(decomposition,
-               [&](int, const auto& level) { pyramid.levels.push_back(cast<T>(level)); });
+    const Scheme scheme = scheme_of(decomposition);
+    const std::vector<Rect> rects = level_rects(scheme, decomposition);
+    if (!uses_lifting(decomposition)) {
+        filter_up(scheme, decomposition, rects, [&](int, const Band<double>& level) {
+            pyramid.levels.push_back(cast<T>(level));
+        });
+        return pyramid;
+    }
+    Decomposition<T> storage;
+    const Decomposition<T>& from = fitted(decomposition, scheme, rects, storage);
+    pyramid.levels.resize(rects.size());
+    pyramid.levels[0] = from.approximation;
+    for (std::size_t l = 1; l < rects.size(); ++l) {
+        Band<T>& level = pyramid.levels[l];
+        level.start_x = rects[l].x.first;
+        level.start_z = rects[l].z.first;
+        lifting_merge<T>(from.degree(), pyramid.levels[l - 1], {&from.details[l - 1], 1}, rects[l],
+                         level.values);
+    }
     return pyramid;
 }
 
 template <class T>
-Grid<T> reconstruct(const Decomposition<T>& decomposition) {
-    Grid<T> finest;
-    synthesise(decomposition, [&](int l, auto& level) {
-        if (l == decomposition.levels()) assign(finest, level.values);
+void reconstruct_into(const Decomposition<T>& decomposition, Grid<T>& out) {
+    const Scheme scheme = scheme_of(decomposition);
+    const std::vector<Rect> rects = level_rects(scheme, decomposition);
+    if (uses_lifting(decomposition)) {
+        Decomposition<T> storage;
+        const Decomposition<T>& from = fitted(decomposition, scheme, rects, storage);
+        lifting_merge<T>(from.degree(), from.approximation, from.details, rects.back(), out);
+        return;
+    }
+    filter_up(scheme, decomposition, rects, [&](int l, Band<double>& level) {
+        if (l == decomposition.levels()) assign(out, level.values);
     });
-    return finest;
+}
+
+template <class T>
+Grid<T> reconstruct(const Decomposition<T>& decomposition) {
+    Grid<T> out;
+    reconstruct_into(decomposition, out);
+    return out;
 }
 
 template <class T>
@@ -227,11 +259,14 @@ std::string level_cap_message(int requested, int used, int width, int height) {
            std::to_string(used);
 }
 
-#define WAVEFOG_INSTANTIATE(T)                                                            \
-    template Result<Decomposition<T>> decompose(const Grid<T>&, const Family&, int, Form, \
-                                                Boundary);                                \
-    template Grid<T> reconstruct(const Decomposition<T>&);                                \
-    template Decomposition<T> to_scaling_form(const Decomposition<T>&);                   \
+#define WAVEFOG_INSTANTIATE(T)                                                               \
+    template Result<Decomposition<T>> decompose(const Grid<T>&, const Family&, int, Form,    \
+                                                Boundary);                                   \
+    template Result<void> decompose_into(const Grid<T>&, const Family&, int, Form, Boundary, \
+                                         Decomposition<T>&);                                 \
+    template Grid<T> reconstruct(const Decomposition<T>&);                                   \
+    template void reconstruct_into(const Decomposition<T>&, Grid<T>&);                       \
+    template Decomposition<T> to_scaling_form(const Decomposition<T>&);                      \
     template Pyramid<T> approximations(const Decomposition<T>&);
 WAVEFOG_INSTANTIATE(float)
 WAVEFOG_INSTANTIATE(double)

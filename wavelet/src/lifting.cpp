@@ -1,7 +1,9 @@
-// Every level is one pass over memory: a row is lifted horizontally into a buffer, and vertical
-// lifting works on whole buffered rows that are still in the L1 cache. No column is ever walked and
-// nothing is transposed. All inner loops have unit stride on at least one side, without branches,
-// so that compilers vectorise them for any instruction set.
+// All levels run at once. A row of the map is lifted horizontally into a buffer; vertical lifting
+// works on whole buffered rows that are still in the L1 cache, writes rows of the three detail
+// bands, and hands a row of the approximation to the next level, which does the same. So the map is
+// read once, each band is written once, and approximations between the levels never reach memory.
+// Synthesis pulls rows the other way. No column is ever walked and nothing is transposed; the inner
+// loops have no branches, so compilers vectorise them for any instruction set.
 //
 // 2,2 with causal B-splines (stability.md 1.1; there s are the odd samples, t = 2 b the even ones):
 //     b_k = c_2k / 2 - (c_2k-1 + c_2k+1) / 4          o_k = a_k - (b_k + b_k+1) / 2
@@ -11,12 +13,21 @@
 // and q = floor((last + 1) / 2). Samples outside are 0, so b is 0 outside r..q.
 #include "lifting.h"
 
+#include <utility>
 #include <vector>
 
 #include "fir.h"
 
 namespace wavefog {
 namespace {
+
+// Gives a band its place; keeps its storage if the size is right. Values are left undefined.
+template <class T>
+void place(Band<T>& band, Range x, Range z) {
+    band.values.resize(z.size(), x.size());
+    band.start_x = x.first;
+    band.start_z = z.first;
+}
 
 // Indices of one axis of a 2,2 level.
 struct Span {
@@ -116,97 +127,190 @@ void synthesise_step(int n, const T* __restrict a, const T* __restrict b,
     }
 }
 
+// Takes the rows of one level from top to bottom. Approximation rows go to `next`, or into `coarse`
+// on the last level.
 template <class T>
-Band<T> linear_split(const Grid<T>& fine, const Rect& rect, Detail<T>& detail) {
-    const Span x(rect.x), z(rect.z);
-    const int low = x.low().size(), high = x.high().size();
-    const auto band = [](const Range& bx, const Range& bz) {
-        return Band<T>{Grid<T>(bz.size(), bx.size()), bx.first, bz.first};
-    };
-    Band<T> coarse = band(x.low(), z.low());
-    detail.phi_psi = band(x.low(), z.high());
-    detail.psi_phi = band(x.high(), z.low());
-    detail.psi_psi = band(x.high(), z.high());
+class LinearAnalyser {
+  public:
+    LinearAnalyser(const Rect& rect, Detail<T>& detail, LinearAnalyser* next, Band<T>* coarse)
+        : x_(rect.x),
+          z_(rect.z),
+          row_index_(rect.z.first),
+          detail_(detail),
+          next_(next),
+          coarse_(coarse),
+          even_(x_),
+          before_(x_),
+          after_(x_),
+          zero_(x_),
+          approximation_(static_cast<std::size_t>(x_.low().size())),
+          b_low_(zero_.low()),
+          b_high_(zero_.high()) {
+        place(detail.phi_psi, x_.low(), z_.high());
+        place(detail.psi_phi, x_.high(), z_.low());
+        place(detail.psi_psi, x_.high(), z_.high());
+        detail.residual = {};
+        if (coarse_) place(*coarse_, x_.low(), z_.low());
+    }
 
-    Row<T> even(x), before(x), after(x);
-    const Row<T> zero(x);
-    const auto load = [&](int n, Row<T>& row) {
-        if (z.fine.contains(n))
-            analyse_row(fine.row(n - z.fine.first).data(), x, row.low(), row.high());
+    void push(const T* row) {
+        const bool odd = row_index_++ % 2 != 0;
+        Row<T>& target = odd ? after_ : even_;
+        analyse_row(row, x_, target.low(), target.high());
+        if (odd) step();
+    }
+
+    // Rows below the last are 0; a_q follows from b_q alone.
+    void finish() {
+        if (z_.fine.last % 2 != 0) even_ = zero_;
+        after_ = zero_;
+        step();
+        T* a = approximation_row();
+        T* psi_phi = detail_.psi_phi.values.row(done_).data();
+        for (int i = 0; i < x_.low().size(); ++i) a[i] = b_low_[i] / 2;
+        for (int i = 0; i < x_.high().size(); ++i) psi_phi[i] = b_high_[i] / 2;
+        if (!next_) return;
+        next_->push(a);
+        next_->finish();
+    }
+
+  private:
+    T* approximation_row() {
+        return next_ ? approximation_.data() : coarse_->values.row(done_).data();
+    }
+
+    void step() {
+        T* low = detail_.phi_psi.values.row(done_).data();
+        T* high = detail_.psi_psi.values.row(done_).data();
+        T* a = approximation_row();
+        analyse_step(x_.low().size(), even_.low(), before_.low(), after_.low(), b_low_, low, a);
+        analyse_step(x_.high().size(), even_.high(), before_.high(), after_.high(), b_high_, high,
+                     detail_.psi_phi.values.row(done_).data());
+        b_low_ = low;
+        b_high_ = high;
+        std::swap(before_, after_);
+        ++done_;
+        if (next_) next_->push(a);
+    }
+
+    Span x_, z_;
+    int row_index_;  // of the next row
+    int done_ = 0;   // vertical steps: rows of b that are written
+    Detail<T>& detail_;
+    LinearAnalyser* next_;
+    Band<T>* coarse_;
+    Row<T> even_, before_, after_;  // rows 2k, 2k-1, 2k+1
+    const Row<T> zero_;
+    std::vector<T> approximation_;
+    const T* b_low_;  // row k-1 of phi psi and psi psi
+    const T* b_high_;
+};
+
+// Gives the rows of one level from top to bottom, pulling approximation rows from `coarser`, or
+// from `coarse` on the first level.
+template <class T>
+class LinearSynthesiser {
+  public:
+    LinearSynthesiser(const Rect& rect, const Detail<T>& detail, LinearSynthesiser* coarser,
+                      const Band<T>* coarse)
+        : x_(rect.x),
+          z_(rect.z),
+          row_index_(rect.z.first),
+          k_(z_.r - 2),
+          detail_(detail),
+          coarser_(coarser),
+          coarse_(coarse),
+          even_(x_),
+          before_(x_),
+          odd_(x_),
+          scratch_(x_),
+          zero_(x_),
+          approximation_(static_cast<std::size_t>(x_.low().size())) {}
+
+    void pull(T* row) {
+        const int n = row_index_++;
+        while (k_ < half_down(n)) step();
+        const Row<T>& source = n % 2 != 0 ? odd_ : even_;
+        synthesise_row(source.low(), source.high(), x_, scratch_.low(), row);
+    }
+
+  private:
+    const T* low(int k) const {
+        return z_.high().contains(k) ? detail_.phi_psi.values.row(k - z_.r).data() : zero_.low();
+    }
+    const T* high(int k) const {
+        return z_.high().contains(k) ? detail_.psi_psi.values.row(k - z_.r).data() : zero_.high();
+    }
+
+    // Rows 2k and 2k + 1 for the next k, from r - 1 on.
+    void step() {
+        ++k_;
+        const int row = k_ - z_.low().first;
+        const T* a = approximation_.data();
+        if (coarser_)
+            coarser_->pull(approximation_.data());
         else
-            row = zero;
-    };
-    load(2 * z.r - 1, before);
-    const T* b_low = zero.low();
-    const T* b_high = zero.high();
-    for (int i = 0; i < z.high().size(); ++i) {
-        load(2 * (z.r + i), even);
-        load(2 * (z.r + i) + 1, after);
-        T* next_low = detail.phi_psi.values.row(i).data();
-        T* next_high = detail.psi_psi.values.row(i).data();
-        analyse_step(low, even.low(), before.low(), after.low(), b_low, next_low,
-                     coarse.values.row(i).data());
-        analyse_step(high, even.high(), before.high(), after.high(), b_high, next_high,
-                     detail.psi_phi.values.row(i).data());
-        b_low = next_low;
-        b_high = next_high;
-        std::swap(before, after);
+            a = coarse_->values.row(row).data();
+        std::swap(before_, odd_);
+        synthesise_step(x_.low().size(), a, low(k_), low(k_ + 1), before_.low(), even_.low(),
+                        odd_.low());
+        synthesise_step(x_.high().size(), detail_.psi_phi.values.row(row).data(), high(k_),
+                        high(k_ + 1), before_.high(), even_.high(), odd_.high());
     }
-    const Eigen::Index last = coarse.values.rows() - 1;  // a_q: row 2q + 1 lies outside
-    coarse.values.row(last) = detail.phi_psi.values.row(last - 1) / T(2);
-    detail.psi_phi.values.row(last) = detail.psi_psi.values.row(last - 1) / T(2);
-    return coarse;
-}
 
-template <class T>
-Grid<T> linear_merge(const Band<T>& coarse, const Detail<T>& detail, const Rect& rect) {
-    const Span x(rect.x), z(rect.z);
-    const int low = x.low().size(), high = x.high().size(), rows = z.high().size();
-    Grid<T> fine(rect.z.size(), rect.x.size());
-    Row<T> even(x), before(x), odd(x), scratch(x);
-    const Row<T> zero(x);
-    const auto store = [&](int n, const Row<T>& row) {
-        if (z.fine.contains(n))
-            synthesise_row(row.low(), row.high(), x, scratch.low(),
-                           fine.row(n - z.fine.first).data());
-    };
-    const auto phi_psi = [&](int i) {
-        return i >= 0 && i < rows ? detail.phi_psi.values.row(i).data() : zero.low();
-    };
-    const auto psi_psi = [&](int i) {
-        return i >= 0 && i < rows ? detail.psi_psi.values.row(i).data() : zero.high();
-    };
-    for (int i = -1; i < rows; ++i) {  // k = r + i
-        synthesise_step(low, coarse.values.row(i + 1).data(), phi_psi(i), phi_psi(i + 1),
-                        before.low(), even.low(), odd.low());
-        synthesise_step(high, detail.psi_phi.values.row(i + 1).data(), psi_psi(i), psi_psi(i + 1),
-                        before.high(), even.high(), odd.high());
-        store(2 * (z.r + i), even);
-        store(2 * (z.r + i) + 1, odd);
-        std::swap(before, odd);
-    }
-    return fine;
-}
+    Span x_, z_;
+    int row_index_;  // of the next row
+    int k_;          // of the last vertical step
+    const Detail<T>& detail_;
+    LinearSynthesiser* coarser_;
+    const Band<T>* coarse_;
+    Row<T> even_, before_, odd_, scratch_;  // rows 2k, 2k-1, 2k+1
+    const Row<T> zero_;
+    std::vector<T> approximation_;
+};
 
 // Haar: each 2x2 block on its own. A missing last row or column is 0.
 template <class T>
-Band<T> haar_split(const Grid<T>& fine, Detail<T>& detail) {
-    const Eigen::Index rows = (fine.rows() + 1) / 2, columns = (fine.cols() + 1) / 2;
-    const Eigen::Index pairs = fine.cols() / 2;
-    Band<T> coarse{Grid<T>(rows, columns)};
-    detail.phi_psi.values.resize(rows, columns);
-    detail.psi_phi.values.resize(rows, columns);
-    detail.psi_psi.values.resize(rows, columns);
-    const std::vector<T> zero(static_cast<std::size_t>(fine.cols()), T(0));
-    for (Eigen::Index j = 0; j < rows; ++j) {
-        const T* __restrict top = fine.row(2 * j).data();
-        const T* __restrict bottom =
-            2 * j + 1 < fine.rows() ? fine.row(2 * j + 1).data() : zero.data();
-        T* __restrict a = coarse.values.row(j).data();
-        T* __restrict phi_psi = detail.phi_psi.values.row(j).data();
-        T* __restrict psi_phi = detail.psi_phi.values.row(j).data();
-        T* __restrict psi_psi = detail.psi_psi.values.row(j).data();
-        const auto block = [&](Eigen::Index i, T p0, T p1, T q0, T q1) {
+class HaarAnalyser {
+  public:
+    HaarAnalyser(const Rect& rect, Detail<T>& detail, HaarAnalyser* next, Band<T>* coarse)
+        : width_(rect.x.size()),
+          detail_(detail),
+          next_(next),
+          coarse_(coarse),
+          zero_(static_cast<std::size_t>(width_), T(0)) {
+        const Range x = halved(rect.x), z = halved(rect.z);
+        for (Band<T>* band : {&detail.phi_psi, &detail.psi_phi, &detail.psi_psi})
+            place(*band, x, z);
+        detail.residual = {};
+        if (coarse_) place(*coarse_, x, z);
+        for (std::vector<T>& row : approximation_) row.resize(static_cast<std::size_t>(x.size()));
+    }
+    static Range halved(Range fine) { return {half_down(fine.first), half_down(fine.last)}; }
+
+    // A row must stay where it is until the next one has been pushed.
+    void push(const T* row) {
+        if (!top_) {
+            top_ = row;
+            return;
+        }
+        step(top_, row);
+        top_ = nullptr;
+    }
+
+    void finish() {
+        if (top_) step(top_, zero_.data());
+        if (next_) next_->finish();
+    }
+
+  private:
+    void step(const T* __restrict top, const T* __restrict bottom) {
+        T* __restrict a =
+            next_ ? approximation_[done_ % 2].data() : coarse_->values.row(done_).data();
+        T* __restrict phi_psi = detail_.phi_psi.values.row(done_).data();
+        T* __restrict psi_phi = detail_.psi_phi.values.row(done_).data();
+        T* __restrict psi_psi = detail_.psi_psi.values.row(done_).data();
+        const auto block = [&](int i, T p0, T p1, T q0, T q1) {
             const T top_sum = p0 + p1, top_difference = p0 - p1;
             const T bottom_sum = q0 + q1, bottom_difference = q0 - q1;
             a[i] = (top_sum + bottom_sum) / 4;
@@ -214,26 +318,42 @@ Band<T> haar_split(const Grid<T>& fine, Detail<T>& detail) {
             psi_phi[i] = (top_difference + bottom_difference) / 4;
             psi_psi[i] = (top_difference - bottom_difference) / 4;
         };
-        for (Eigen::Index i = 0; i < pairs; ++i)
+        const int pairs = width_ / 2;
+        for (int i = 0; i < pairs; ++i)
             block(i, top[2 * i], top[2 * i + 1], bottom[2 * i], bottom[2 * i + 1]);
-        if (pairs < columns) block(pairs, top[2 * pairs], T(0), bottom[2 * pairs], T(0));
+        if (2 * pairs < width_) block(pairs, top[2 * pairs], T(0), bottom[2 * pairs], T(0));
+        ++done_;
+        if (next_) next_->push(a);
     }
-    return coarse;
-}
+
+    int width_;
+    Eigen::Index done_ = 0;
+    Detail<T>& detail_;
+    HaarAnalyser* next_;
+    Band<T>* coarse_;
+    const T* top_ = nullptr;
+    const std::vector<T> zero_;
+    std::vector<T> approximation_[2];
+};
 
 template <class T>
-Grid<T> haar_merge(const Band<T>& coarse, const Detail<T>& detail, const Rect& rect) {
-    const Eigen::Index height = rect.z.size(), width = rect.x.size(), pairs = width / 2;
-    Grid<T> fine(height, width);
-    std::vector<T> outside(static_cast<std::size_t>(width));
-    for (Eigen::Index j = 0; j < coarse.values.rows(); ++j) {
-        const T* __restrict a = coarse.values.row(j).data();
-        const T* __restrict phi_psi = detail.phi_psi.values.row(j).data();
-        const T* __restrict psi_phi = detail.psi_phi.values.row(j).data();
-        const T* __restrict psi_psi = detail.psi_psi.values.row(j).data();
-        T* __restrict top = fine.row(2 * j).data();
-        T* __restrict bottom = 2 * j + 1 < height ? fine.row(2 * j + 1).data() : outside.data();
-        for (Eigen::Index i = 0; i < pairs; ++i) {
+class HaarSynthesiser {
+  public:
+    HaarSynthesiser(const Rect& rect, const Detail<T>& detail, HaarSynthesiser* coarser,
+                    const Band<T>* coarse)
+        : width_(rect.x.size()), detail_(detail), coarser_(coarser), coarse_(coarse) {
+        for (std::vector<T>& row : rows_) row.resize(static_cast<std::size_t>(width_));
+    }
+
+    // The next two rows, straight to where they belong.
+    void pull_pair(T* __restrict top, T* __restrict bottom) {
+        const T* __restrict a = coarser_ ? coarser_->pull() : coarse_->values.row(done_).data();
+        const T* __restrict phi_psi = detail_.phi_psi.values.row(done_).data();
+        const T* __restrict psi_phi = detail_.psi_phi.values.row(done_).data();
+        const T* __restrict psi_psi = detail_.psi_psi.values.row(done_).data();
+        ++done_;
+        const int pairs = width_ / 2;
+        for (int i = 0; i < pairs; ++i) {
             const T top_sum = a[i] + phi_psi[i], bottom_sum = a[i] - phi_psi[i];
             const T top_difference = psi_phi[i] + psi_psi[i];
             const T bottom_difference = psi_phi[i] - psi_psi[i];
@@ -242,12 +362,66 @@ Grid<T> haar_merge(const Band<T>& coarse, const Detail<T>& detail, const Rect& r
             bottom[2 * i] = bottom_sum + bottom_difference;
             bottom[2 * i + 1] = bottom_sum - bottom_difference;
         }
-        if (2 * pairs < width) {
+        if (2 * pairs < width_) {
             top[2 * pairs] = a[pairs] + phi_psi[pairs] + (psi_phi[pairs] + psi_psi[pairs]);
             bottom[2 * pairs] = a[pairs] - phi_psi[pairs] + (psi_phi[pairs] - psi_psi[pairs]);
         }
     }
-    return fine;
+    // Space for a row below the last.
+    T* spare_row() { return rows_[1].data(); }
+
+  private:
+    const T* pull() {
+        second_ = !second_;
+        if (!second_) return rows_[1].data();
+        pull_pair(rows_[0].data(), rows_[1].data());
+        return rows_[0].data();
+    }
+
+    int width_;
+    Eigen::Index done_ = 0;
+    bool second_ = false;  // the next pull() returns the second row of the pair
+    const Detail<T>& detail_;
+    HaarSynthesiser* coarser_;
+    const Band<T>* coarse_;
+    std::vector<T> rows_[2];
+};
+
+// Rectangles of the approximations, coarsest first; the last is `rect`.
+std::vector<Rect> chain(int degree, const Rect& rect, std::size_t levels) {
+    const auto coarser = [&](Range fine) {
+        return degree == 0 ? HaarAnalyser<float>::halved(fine) : Span(fine).low();
+    };
+    std::vector<Rect> rects(levels + 1, rect);
+    for (std::size_t l = levels; l > 0; --l)
+        rects[l - 1] = {coarser(rects[l].x), coarser(rects[l].z)};
+    return rects;
+}
+
+template <class Analyser, class T>
+void split(int degree, const Grid<T>& fine, const Rect& rect, std::span<Detail<T>> details,
+           Band<T>& coarse) {
+    const std::vector<Rect> rects = chain(degree, rect, details.size());
+    std::vector<Analyser> levels;
+    levels.reserve(details.size());  // they point at each other
+    for (std::size_t l = 0; l < details.size(); ++l)
+        levels.emplace_back(rects[l + 1], details[l], l == 0 ? nullptr : &levels[l - 1],
+                            l == 0 ? &coarse : nullptr);
+    for (Eigen::Index j = 0; j < fine.rows(); ++j) levels.back().push(fine.row(j).data());
+    levels.back().finish();
+}
+
+template <class Synthesiser, class T, class Rows>
+void merge(int degree, const Band<T>& coarse, std::span<const Detail<T>> details, const Rect& rect,
+           Grid<T>& fine, const Rows& rows) {
+    const std::vector<Rect> rects = chain(degree, rect, details.size());
+    std::vector<Synthesiser> levels;
+    levels.reserve(details.size());
+    for (std::size_t l = 0; l < details.size(); ++l)
+        levels.emplace_back(rects[l + 1], details[l], l == 0 ? nullptr : &levels[l - 1],
+                            l == 0 ? &coarse : nullptr);
+    fine.resize(rect.z.size(), rect.x.size());
+    rows(levels.back());
 }
 
 }  // namespace
@@ -259,19 +433,35 @@ bool has_lifting(const Family& family, Boundary boundary) {
 }
 
 template <class T>
-Band<T> lifting_split(int degree, const Grid<T>& fine, const Rect& rect, Detail<T>& detail) {
-    return degree == 0 ? haar_split(fine, detail) : linear_split(fine, rect, detail);
+void lifting_split(int degree, const Grid<T>& fine, const Rect& rect, std::span<Detail<T>> details,
+                   Band<T>& coarse) {
+    if (degree == 0)
+        split<HaarAnalyser<T>>(degree, fine, rect, details, coarse);
+    else
+        split<LinearAnalyser<T>>(degree, fine, rect, details, coarse);
 }
 
 template <class T>
-Grid<T> lifting_merge(int degree, const Band<T>& coarse, const Detail<T>& detail,
-                      const Rect& rect) {
-    return degree == 0 ? haar_merge(coarse, detail, rect) : linear_merge(coarse, detail, rect);
+void lifting_merge(int degree, const Band<T>& coarse, std::span<const Detail<T>> details,
+                   const Rect& rect, Grid<T>& fine) {
+    if (degree == 0)
+        merge<HaarSynthesiser<T>>(degree, coarse, details, rect, fine, [&](auto& finest) {
+            for (Eigen::Index j = 0; j < fine.rows(); j += 2)
+                finest.pull_pair(fine.row(j).data(),
+                                 j + 1 < fine.rows() ? fine.row(j + 1).data() : finest.spare_row());
+        });
+    else
+        merge<LinearSynthesiser<T>>(degree, coarse, details, rect, fine, [&](auto& finest) {
+            for (Eigen::Index j = 0; j < fine.rows(); ++j) finest.pull(fine.row(j).data());
+        });
 }
 
-template Band<float> lifting_split(int, const Grid<float>&, const Rect&, Detail<float>&);
-template Band<double> lifting_split(int, const Grid<double>&, const Rect&, Detail<double>&);
-template Grid<float> lifting_merge(int, const Band<float>&, const Detail<float>&, const Rect&);
-template Grid<double> lifting_merge(int, const Band<double>&, const Detail<double>&, const Rect&);
+#define WAVEFOG_INSTANTIATE(T)                                                                     \
+    template void lifting_split(int, const Grid<T>&, const Rect&, std::span<Detail<T>>, Band<T>&); \
+    template void lifting_merge(int, const Band<T>&, std::span<const Detail<T>>, const Rect&,      \
+                                Grid<T>&);
+WAVEFOG_INSTANTIATE(float)
+WAVEFOG_INSTANTIATE(double)
+#undef WAVEFOG_INSTANTIATE
 
 }  // namespace wavefog

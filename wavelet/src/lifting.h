@@ -1,5 +1,8 @@
-// Fast one-pass transforms for the families that maps use most, 1,1 and 2,2 with zero extension.
+// Fast transforms for the families that maps use most, 1,1 and 2,2 with zero extension: all levels
+// in one pass over the map.
 #pragma once
+
+#include <span>
 
 #include "range.h"
 #include "wavefog/wavelet/decomposition.h"
@@ -9,14 +12,17 @@ namespace wavefog {
 /// True where the functions below do the same as Scheme::split and Scheme::merge (to rounding).
 bool has_lifting(const Family& family, Boundary boundary);
 
-/// One level of analysis: returns the approximation of `fine`, whose first coefficient has the
-/// index (rect.x.first, rect.z.first), and fills the wavelet bands. For 1,1 both must be even.
+/// All levels of analysis of `fine`, whose first coefficient has the index (rect.x.first,
+/// rect.z.first); even ones for 1,1. `details` (coarse to fine, one entry or more) and `coarse`
+/// keep their storage where the sizes already fit.
 template <class T>
-Band<T> lifting_split(int degree, const Grid<T>& fine, const Rect& rect, Detail<T>& detail);
+void lifting_split(int degree, const Grid<T>& fine, const Rect& rect, std::span<Detail<T>> details,
+                   Band<T>& coarse);
 
 /// The inverse of lifting_split: fine coefficients on `rect`. Bands must have the sizes and starts
 /// that lifting_split gives them.
 template <class T>
-Grid<T> lifting_merge(int degree, const Band<T>& coarse, const Detail<T>& detail, const Rect& rect);
+void lifting_merge(int degree, const Band<T>& coarse, std::span<const Detail<T>> details,
+                   const Rect& rect, Grid<T>& fine);
 
 }  // namespace wavefog

@@ -11,7 +11,7 @@
 namespace wavefog {
 namespace {
 
-constexpr int kGap = 1;              // zero texels between two levels
+constexpr int kGap = 1;             // zero texels between two levels
 constexpr int kMostSide = 1 << 24;  // of a map; keeps all index arithmetic far from overflow
 
 // The bands of one packed level in the order of the channels; null where there is none. One

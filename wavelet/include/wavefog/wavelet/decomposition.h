@@ -79,6 +79,15 @@ Result<Decomposition<T>> decompose(const Grid<T>& map, const Family& family, int
 template <class T>
 Grid<T> reconstruct(const Decomposition<T>& decomposition);
 
+/// The same into existing objects. With 1,1 and 2,2 in wavelet form and zero extension, storage of
+/// the right size is used again: a map that changes every frame costs no allocation and no page
+/// faults. `out` is unchanged after an error.
+template <class T>
+Result<void> decompose_into(const Grid<T>& map, const Family& family, int levels, Form form,
+                            Boundary boundary, Decomposition<T>& out);
+template <class T>
+void reconstruct_into(const Decomposition<T>& decomposition, Grid<T>& out);
+
 /// Turns the three wavelet bands of every level into one residual grid a level (paper 004, 4.4).
 template <class T>
 Decomposition<T> to_scaling_form(const Decomposition<T>& decomposition);
