@@ -15,7 +15,7 @@ layout(std140) uniform FogBlock {
                                    // z: longest sky ray, m
     ivec4 size;                    // xy: finest cells of the box (or of one period); zw: map pixels
     ivec4 level[FOG_MAX_LEVELS];   // l: xy first texel in the atlas, zw cells
-    vec4 reach[FOG_MAX_LEVELS];    // l: x = mu^l (paper 004, eq. 12), fraction of |OP|
+    vec4 reach[FOG_MAX_LEVELS];    // l: x = mu^l (paper 004, eq. 12), y = 1 - mu^l
 #ifdef __cplusplus
 };
 #else

@@ -110,7 +110,8 @@ float fog_exact(FogRay ray) {
         if (from >= range.y || sum > enough) {
             break;
         }
-        float to = l == 0 ? range.y : min(range.y, fog.reach[l].x * (ray.passed + whole) - ray.passed);
+        // mu^l (passed + whole) - passed, without the cancellation
+        float to = l == 0 ? range.y : min(range.y, fog.reach[l].x * whole - fog.reach[l].y * ray.passed);
         if (to > from) {
             sum += fog_walk(ray, l, from, to, enough - sum);
             from = to;

@@ -185,10 +185,22 @@ double Reference::integrate_level(const Line& line, Range range, int level, bool
     };
     double index_u = next_index(u0, du), index_v = next_index(v0, dv);
     double next_u = t_of(index_u, u0, du), next_v = t_of(index_v, v0, dv);
+    // Layers of one scale height above the base, counted in eta = (y - base) / scale; above the
+    // last one (1e-28) there is nothing to clamp.
+    constexpr double kTopLayer = 64;
+    const bool layered = profile_.kind == Profile::Kind::exponential && line.dy != 0;
+    const double eta0 = (line.y0 - profile_.base) / profile_.scale;
+    const double deta = line.dy / profile_.scale;
+    double layer = layered ? next_index(eta0, deta) : 0;
+    layer = deta > 0 ? std::max(layer, 0.0) : std::min(layer, kTopLayer);
+    const auto layer_t = [&] {
+        return layered && layer >= 0 && layer <= kTopLayer ? t_of(layer, eta0, deta) : kInfinity;
+    };
+    double next_layer = layer_t();
 
     double sum = 0;
     for (double t = range.begin; t < range.end;) {
-        const double next = std::min({next_u, next_v, range.end});
+        const double next = std::min({next_u, next_v, next_layer, range.end});
         if (next > t) {
             const double middle = t + (next - t) / 2;
             const double step = integrate_step(line, {t, next}, level, std::floor(u0 + middle * du),
@@ -199,6 +211,10 @@ double Reference::integrate_level(const Line& line, Range range, int level, bool
         // Steps behind t are skipped one index at a time; both axes may step at a vertex.
         if (next_u <= t) next_u = t_of(index_u += du > 0 ? 1 : -1, u0, du);
         if (next_v <= t) next_v = t_of(index_v += dv > 0 ? 1 : -1, v0, dv);
+        if (next_layer <= t) {
+            layer += deta > 0 ? 1 : -1;
+            next_layer = layer_t();
+        }
     }
     return sum;
 }

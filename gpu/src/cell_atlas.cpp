@@ -59,11 +59,13 @@ std::vector<int> distance_to_fog(const std::vector<std::uint8_t>& empty, int wid
 }  // namespace
 
 CellAtlas build_cell_atlas(const Pyramid<float>& pyramid) {
+    using std::size_t;
     const int degree = pyramid.degree, finest = pyramid.detail_levels();
-    const int per_cell = (degree + 1) * (degree + 1);
+    const size_t per_cell = static_cast<size_t>((degree + 1) * (degree + 1));
     const int texels_per_cell = degree == 2 ? 3 : 1;
     CellAtlas atlas;
     atlas.channels = degree == 0 ? 1 : 4;
+    const size_t channels = static_cast<size_t>(atlas.channels);
 
     const auto& map = pyramid.levels.back().values;
     double largest = 0;
@@ -73,62 +75,56 @@ CellAtlas build_cell_atlas(const Pyramid<float>& pyramid) {
     atlas.density_scale = power_of_two_above(largest);
     atlas.mean_density = map.size() > 0 ? map.cast<double>().mean() / atlas.density_scale : 0;
 
+    // The finest level on top, the coarser ones in a row below; a border of one cell around each.
     atlas.levels.resize(pyramid.levels.size());
-    int x = 0, coarse_height = 0;
-    const int top = pyramid.cells_z(finest);
-    atlas.width = pyramid.cells_x(finest) * texels_per_cell;
-    for (int l = finest - 1; l >= 0; --l) {
-        atlas.levels[static_cast<std::size_t>(l)] = {x, top, pyramid.cells_x(l),
-                                                     pyramid.cells_z(l)};
-        x += pyramid.cells_x(l) * texels_per_cell;
-        coarse_height = std::max(coarse_height, pyramid.cells_z(l));
+    const int top = pyramid.cells_z(finest) + 2;
+    int left = 0, coarse_height = 0;
+    for (int l = finest; l >= 0; --l) {
+        const int cells_x = pyramid.cells_x(l), cells_z = pyramid.cells_z(l);
+        atlas.levels[static_cast<size_t>(l)] = {left + texels_per_cell, l == finest ? 1 : top + 1,
+                                                cells_x, cells_z};
+        const int width = (cells_x + 2) * texels_per_cell;
+        atlas.width = std::max(atlas.width, left + width);
+        if (l == finest) continue;
+        left += width;
+        coarse_height = std::max(coarse_height, cells_z + 2);
     }
-    atlas.levels[static_cast<std::size_t>(finest)] = {0, 0, pyramid.cells_x(finest), top};
-    atlas.width = std::max(atlas.width, x);
     atlas.height = top + coarse_height;
-    atlas.texels.assign(static_cast<std::size_t>(atlas.width) *
-                            static_cast<std::size_t>(atlas.height) *
-                            static_cast<std::size_t>(atlas.channels),
-                        0.0f);
-    for (std::size_t n = 0; n < atlas.texels.size(); n += static_cast<std::size_t>(atlas.channels))
-        atlas.texels[n] = -kEmpty;
+    atlas.texels.assign(
+        static_cast<size_t>(atlas.width) * static_cast<size_t>(atlas.height) * channels, 0.0f);
+    for (size_t n = 0; n < atlas.texels.size(); n += channels) atlas.texels[n] = -kEmpty;
 
     const float to_texel = static_cast<float>(1 / atlas.density_scale);
     for (int l = 0; l <= finest; ++l) {
-        const auto& place = atlas.levels[static_cast<std::size_t>(l)];
-        const auto cells = cell_polynomials(pyramid.levels[static_cast<std::size_t>(l)], degree,
+        const auto& place = atlas.levels[static_cast<size_t>(l)];
+        const auto cells = cell_polynomials(pyramid.levels[static_cast<size_t>(l)], degree,
                                             pyramid.boundary, place.z, place.w);
-        std::vector<std::uint8_t> empty(static_cast<std::size_t>(place.z) *
-                                        static_cast<std::size_t>(place.w));
-        for (std::size_t c = 0; c < empty.size(); ++c)
-            empty[c] = std::all_of(&cells[c * static_cast<std::size_t>(per_cell)],
-                                   &cells[c * static_cast<std::size_t>(per_cell)] + per_cell,
-                                   [](float v) { return v == 0; });
+        std::vector<std::uint8_t> empty(cells.size() / per_cell);
+        for (size_t c = 0; c < empty.size(); ++c) {
+            const float* polynomial = &cells[c * per_cell];
+            empty[c] =
+                std::all_of(polynomial, polynomial + per_cell, [](float v) { return v == 0; });
+        }
         const auto distance =
             distance_to_fog(empty, place.z, place.w, pyramid.boundary == Boundary::repeat);
         if (l == finest)
             atlas.skippable = static_cast<double>(std::count_if(distance.begin(), distance.end(),
                                                                 [](int d) { return d > 1; })) /
                               static_cast<double>(distance.size());
-        for (int j = 0; j < place.w; ++j)
-            for (int i = 0; i < place.z; ++i) {
-                const std::size_t c =
-                    static_cast<std::size_t>(j) * static_cast<std::size_t>(place.z) +
-                    static_cast<std::size_t>(i);
-                const float* polynomial = &cells[c * static_cast<std::size_t>(per_cell)];
-                float* texel =
-                    &atlas.texels[(static_cast<std::size_t>(place.y + j) *
-                                       static_cast<std::size_t>(atlas.width) +
-                                   static_cast<std::size_t>(place.x + i * texels_per_cell)) *
-                                  static_cast<std::size_t>(atlas.channels)];
-                if (empty[c]) {
-                    texel[0] = -kEmpty - static_cast<float>(distance[c] - 1);
-                    continue;
-                }
-                // Quadratic rows of three coefficients start at every fourth channel.
-                for (int n = 0; n < per_cell; ++n)
-                    texel[degree == 2 ? n / 3 * 4 + n % 3 : n] = polynomial[n] * to_texel;
+        for (size_t c = 0; c < empty.size(); ++c) {
+            const size_t i = c % static_cast<size_t>(place.z), j = c / static_cast<size_t>(place.z);
+            const size_t x =
+                static_cast<size_t>(place.x) + i * static_cast<size_t>(texels_per_cell);
+            const size_t y = static_cast<size_t>(place.y) + j;
+            float* texel = &atlas.texels[(y * static_cast<size_t>(atlas.width) + x) * channels];
+            if (empty[c]) {
+                texel[0] = -kEmpty - static_cast<float>(distance[c] - 1);
+                continue;
             }
+            // Quadratic rows of three coefficients start at every fourth channel.
+            for (size_t n = 0; n < per_cell; ++n)
+                texel[degree == 2 ? n / 3 * 4 + n % 3 : n] = cells[c * per_cell + n] * to_texel;
+        }
     }
     return atlas;
 }

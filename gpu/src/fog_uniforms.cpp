@@ -93,7 +93,8 @@ shader::FogBlock fog_block(const FogFacts& fog, const Eigen::Vector3d& eye, doub
     block.size = {fog.cells_x, fog.cells_z, fog.width, fog.height};
     for (int l = 0; l <= finest; ++l) {
         block.level[l] = fog.levels[static_cast<std::size_t>(l)];
-        block.reach[l].x = static_cast<float>(std::pow(mu, l));
+        const double reach = std::pow(mu, l);
+        block.reach[l] = {static_cast<float>(reach), static_cast<float>(1 - reach), 0, 0};
     }
     return block;
 }

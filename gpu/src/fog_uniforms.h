@@ -33,6 +33,9 @@ int profile_number(const Profile& profile);
 /// The walk stops at this optical depth: T below 2^-21, a quarter of the accuracy that is promised.
 inline constexpr double kStopOpticalDepth = 14.6;
 
+/// FOG_ETA_MAX of fog_ray.glsl: the exponential profile is negligible above.
+inline constexpr double kEtaMax = 40;
+
 /// Rays start near `eye` (world metres): coordinates are counted from its cell, so that float32
 /// keeps its precision at any world offset. `sky_limit`: longest sky ray, metres.
 shader::FogBlock fog_block(const FogFacts& fog, const Eigen::Vector3d& eye, double mu,

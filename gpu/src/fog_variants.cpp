@@ -1,8 +1,9 @@
 // Every variant of the fog shader that the GPU can be asked for, compiled as C++.
 #include "fog_variants.h"
 
-// A variant need not use every parameter that its siblings do.
+// A variant need not use every parameter and function that its siblings do.
 #pragma GCC diagnostic ignored "-Wunused-parameter"
+#pragma GCC diagnostic ignored "-Wunused-function"
 
 namespace wavefog::shader {
 namespace {

@@ -1,6 +1,7 @@
 // The fog shader's maths on the CPU, for one ray at a time.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "fog_uniforms.h"
 #include "fog_variants.h"
@@ -14,6 +15,43 @@ struct ShaderOnCpu::Impl {
     FogFacts facts;
     Method method;
 };
+
+namespace {
+
+// The fraction of the path at which it enters the map's box and the profile's support. The ray is
+// re-based there in double, so that float32 counts from there (stability.md, rows 4 and 5).
+double fog_entry(const FogFacts& fog, const Eigen::Vector3d& o, const Eigen::Vector3d& path) {
+    const auto enter = [](double from, double slope, double low, double high) {
+        return slope == 0 ? 0.0 : std::min((low - from) / slope, (high - from) / slope);
+    };
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    double entry = 0;
+    if (fog.boundary == Boundary::zero) {
+        const double margin_x = (fog.rect.x1 - fog.rect.x0) / fog.width * fog.degree / 2.0;
+        const double margin_z = (fog.rect.z1 - fog.rect.z0) / fog.height * fog.degree / 2.0;
+        entry =
+            std::max({entry, enter(o.x(), path.x(), fog.rect.x0 - margin_x, fog.rect.x1 + margin_x),
+                      enter(o.z(), path.z(), fog.rect.z0 - margin_z, fog.rect.z1 + margin_z)});
+    }
+    const auto& profile = fog.profile;
+    switch (profile.kind) {
+        case Profile::Kind::uniform:
+            break;
+        case Profile::Kind::slab:
+            entry = std::max(entry, enter(o.y(), path.y(), profile.bottom, profile.top));
+            break;
+        case Profile::Kind::exponential:
+            entry = std::max(
+                entry, enter(o.y(), path.y(), -kInfinity, profile.base + kEtaMax * profile.scale));
+            break;
+        case Profile::Kind::linear:
+            entry = std::max(entry, enter(o.y(), path.y(), -kInfinity, profile.top));
+            break;
+    }
+    return entry;
+}
+
+}  // namespace
 
 ShaderOnCpu::ShaderOnCpu(const Fog& fog, const Method& method) : impl_(std::make_unique<Impl>()) {
     const auto pyramid = approximations(fog.decomposition);
@@ -31,22 +69,9 @@ double ShaderOnCpu::optical_depth(const Eigen::Vector3d& o, const Eigen::Vector3
     const double metres = path.norm();
     if (metres == 0) return 0;
 
-    // Re-base in double where the ray enters the map's box: float32 then counts from there
-    // (stability.md, rows 4 and 5).
-    double entry = 0;
-    if (fog.boundary == Boundary::zero && impl_->method.kind != MethodKind::homogeneous) {
-        const double cell_x = (fog.rect.x1 - fog.rect.x0) / fog.width;
-        const double cell_z = (fog.rect.z1 - fog.rect.z0) / fog.height;
-        const double margin_x = cell_x * fog.degree / 2.0, margin_z = cell_z * fog.degree / 2.0;
-        const auto enter = [&](double from, double slope, double low, double high) {
-            if (slope == 0) return 0.0;
-            return std::min((low - from) / slope, (high - from) / slope);
-        };
-        entry =
-            std::max({0.0, enter(o.x(), path.x(), fog.rect.x0 - margin_x, fog.rect.x1 + margin_x),
-                      enter(o.z(), path.z(), fog.rect.z0 - margin_z, fog.rect.z1 + margin_z)});
-        if (entry >= 1) return 0;
-    }
+    const double entry =
+        impl_->method.kind == MethodKind::homogeneous ? 0 : fog_entry(fog, o, path);
+    if (entry >= 1) return 0;
     namespace s = shader;
     s::fog = fog_block(fog, o + entry * path, impl_->method.mu, 0, 0);
     s::fog_cells = {impl_->atlas.texels.data(),

@@ -24,8 +24,9 @@ class Reference {
     ///
     /// With mu < 1 (paper 004, eq. 12) details of level l count only up to |OP| * mu^l from O, so
     /// at distance s the density is the approximation of the finest level l with s <= |OP| * mu^l.
-    /// A step is the longest piece inside one cell of that level, one level range and one side of
-    /// the profile's `base`; its integral, over all bands together, is clamped at 0 if `clamp`.
+    /// A step is the longest piece inside one cell of that level, one level range and one layer of
+    /// the profile (linear: below and above `base`; exponential: below `base`, then one scale
+    /// height each); its integral, over all bands together, is clamped at 0 if `clamp`.
     double optical_depth(const Eigen::Vector3d& o, const Eigen::Vector3d& p, double mu = 1,
                          bool clamp = true) const;
 
