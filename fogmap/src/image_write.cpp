@@ -5,8 +5,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <new>
 
+#include "container_check.h"
 #include "file_io.h"
 #include "wavefog/fogmap/image.h"
 
@@ -74,6 +76,9 @@ Result<void> write_with(const char* format, const fs::path& file, const fs::path
     if (!output->open(temporary.string(), spec)) return failed(output->geterror());
     if (!output->write_image(type, pixels)) return failed(output->geterror());
     if (!output->close()) return failed(output->geterror());
+    // OpenImageIO's PNG writer does not notice a full disk.
+    if (!detail::check_container(temporary, std::numeric_limits<std::size_t>::max()))
+        return failed("the file came out incomplete");
     return {};
 }
 

@@ -12,8 +12,8 @@
 namespace wavefog {
 
 struct ReadOptions {
-    std::optional<std::string>
-        channel;            ///< "R", "G", "B", "A", "Y" or a number; default: luminance
+    /// A channel's name ("R", "A", "density", ...) or its number; none: luminance.
+    std::optional<std::string> channel = {};
     bool sanitize = false;  ///< NaN, Inf and negative pixels become 0 and are counted
     std::size_t max_bytes = std::size_t{4} << 30;  ///< refuse larger maps (as float) before reading
 };
@@ -24,9 +24,11 @@ struct Fogmap {
     std::string source_format;  ///< e.g. "png uint8, 1 channel"
 };
 
-/// Reads any image OpenImageIO reads as a fogmap. Colour becomes Rec. 709 luminance unless a
-/// channel is chosen; alpha is ignored; palettes are expanded. A data error names the file, the
-/// pixel and the remedy (NaN, Inf, negative, unreadable, truncated, too large, no pixels).
+/// Reads any image OpenImageIO reads as a fogmap. Integers are divided by their type's maximum.
+/// Colour becomes Rec. 709 luminance of the stored numbers unless a channel is chosen (a fogmap is
+/// data: no sRGB curve is undone); alpha is ignored; palettes are expanded; an EXR's data window is
+/// the map. A data error names the file, the pixel and the remedy (NaN, Inf, negative, unreadable,
+/// truncated, too large, no pixels, several images, deep).
 Result<Fogmap> read_fogmap(const std::filesystem::path& file, const ReadOptions& options = {});
 
 /// An interleaved float image, row 0 at the top.
