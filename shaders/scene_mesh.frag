@@ -10,14 +10,18 @@ void main() {}
 in vec3 eye_position;
 in vec3 surface_normal;
 in vec3 surface_colour;
+in vec3 surface_glow;
 in float surface_sun;
 
 layout(location = 0) out vec4 colour;
 
 void main() {
+    // The side that is seen is lit, whatever the order of the triangle's corners.
+    vec3 seen = cross(dFdx(eye_position), dFdy(eye_position));
+    seen = faceforward(seen, eye_position, seen);
     vec3 normal = normalize(surface_normal);
-    if (!gl_FrontFacing) normal = -normal;
+    if (dot(normal, seen) < 0.0) normal = -normal;
     float sun = surface_sun * scene_mesh_shadow(eye_position, normal);
-    colour = vec4(scene_shade(surface_colour, normal, sun, 0.9, 0.25), 1.0);
+    colour = vec4(surface_glow + scene_shade(surface_colour, normal, sun, 0.9, 0.25), 1.0);
 }
 #endif

@@ -8,6 +8,8 @@ layout(location = 2) in vec3 vertex_colour;
 layout(location = 3) in vec4 placement;  // offset (metres), scale (metres per unit)
 layout(location = 4) in vec3 turn;       // cos and sin of the turn about y; visible part of the sun
 
+layout(location = 5) in vec3 vertex_glow;
+
 uniform mat4 clip_from_eye;
 uniform vec3 origin_from_eye;
 
@@ -15,6 +17,7 @@ uniform vec3 origin_from_eye;
 out vec3 eye_position;
 out vec3 surface_normal;
 out vec3 surface_colour;
+out vec3 surface_glow;
 out float surface_sun;
 #endif
 
@@ -28,6 +31,7 @@ void main() {
     eye_position = from_eye;
     surface_normal = turned(normal);
     surface_colour = vertex_colour;
+    surface_glow = vertex_glow;
     surface_sun = turn.z;
 #endif
     gl_Position = clip_from_eye * vec4(from_eye, 1.0);

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes pine.obj, pine_young.obj and hut.obj: the small meshes of the example scenes.
+"""Writes pine.obj, pine_young.obj, pine_far.obj and hut.obj, the meshes of the example scenes.
 
 Own work of the wavefog project, MIT licence. Repeatable: fixed seeds, standard library only.
 Units are metres, y up, the foot of each thing at y = 0. Vertex colours ("v x y z r g b") are
@@ -45,7 +45,9 @@ class Obj:
         (HERE / name).write_text("\n".join(lines) + "\n")
         text = ["# Made by make_meshes.py. Linear colours."]
         for material, colour in materials.items():
-            text += ["newmtl " + material, "Kd %.3f %.3f %.3f" % colour]
+            text += ["newmtl " + material, "Kd %.3f %.3f %.3f" % colour[:3]]
+            if len(colour) > 3:
+                text.append("Ke %.3f %.3f %.3f" % colour[3:])
         (HERE / name).with_suffix(".mtl").write_text("\n".join(text) + "\n")
 
 
@@ -89,7 +91,7 @@ def pine(name, seed, height, radius, bare, whorls, needles):
             length = reach * rnd.uniform(0.74, 1.10)
             droop = length * rnd.uniform(0.24, 0.46) * (1.15 - 0.9 * up)
             rise = length * 0.75 * up ** 2
-            wide = (0.25 * length + 0.16) * rnd.uniform(0.85, 1.15)
+            wide = (0.25 * length + 0.24) * rnd.uniform(0.85, 1.15)
             out = (math.cos(azimuth), math.sin(azimuth))
             side = (-out[1], out[0])
             y0, (ax, az) = t * height, axis(t * height)
@@ -111,7 +113,7 @@ def pine(name, seed, height, radius, bare, whorls, needles):
                 return obj.vertex(point(s, across, hang), normal,
                                   (deep * (1 + 0.30 * tip), deep * (1 + 0.22 * tip), deep * 0.95))
 
-            steps = 4 if up < 0.75 else 3
+            steps = 6 if up < 0.5 else 4 if up < 0.8 else 3
             spine = [make(0.02 + 0.98 * k / steps, 0.0, 0.0) for k in range(steps + 1)]
             for sign in (-1, 1):
                 for k in range(steps):
@@ -119,7 +121,7 @@ def pine(name, seed, height, radius, bare, whorls, needles):
                     # A tooth between two points of the ridge, swept forward.
                     at = min(s0 + 1.25 / steps, 1.02) * rnd.uniform(0.93, 1.0)
                     swell = math.sin(math.pi * min(0.25 + 0.68 * (s0 + s1) / 2, 1.0)) ** 0.8
-                    across = sign * wide * swell * rnd.uniform(0.8, 1.2)
+                    across = sign * wide * swell * rnd.uniform(0.65, 1.25)
                     tooth = make(at, across, abs(across) * 0.55)
                     a, c = spine[k], spine[k + 1]
                     if sign < 0:
@@ -138,6 +140,29 @@ def pine(name, seed, height, radius, bare, whorls, needles):
     for s in range(5):
         obj.face("needles", ring[s], top, ring[(s + 1) % 5])
     obj.write(name, {"bark": (0.105, 0.075, 0.052), "needles": needles})
+
+
+def far_pine(name, height, radius):
+    """The same tree for views from hundreds of metres: ragged cones, less than 100 triangles."""
+    rnd = random.Random(3)
+    obj = Obj()
+    tiers, points = 6, 7
+    for k in range(tiers):
+        low, high = height * (0.10 + 0.86 * k / tiers), height * (0.10 + 0.90 * (k + 1.9) / tiers)
+        reach = radius * (1 - k / tiers) ** 0.85
+        apex = obj.vertex((0, min(high, height), 0), (0, 1, 0), (1.0, 1.0, 1.0))
+        ring = []
+        for s in range(2 * points):
+            a = math.pi * (s + 0.37 * k + rnd.uniform(-0.2, 0.2)) / points
+            r = reach * (rnd.uniform(0.85, 1.1) if s % 2 else rnd.uniform(0.45, 0.6))
+            shade = 1.05 if s % 2 else 0.45
+            ring.append(obj.vertex((r * math.cos(a), low + (0 if s % 2 else 0.03 * height),
+                                    r * math.sin(a)), (math.cos(a), 0.7, math.sin(a)), (shade,) * 3))
+        for s in range(2 * points):
+            obj.face("needles", ring[s], apex, ring[(s + 1) % (2 * points)])
+    obj.flat("bark", 0.8, (-0.2, -0.5, 0), (0.2, -0.5, 0), (0.15, height * 0.15, 0),
+             (-0.15, height * 0.15, 0))
+    obj.write(name, {"bark": (0.105, 0.075, 0.052), "needles": (0.056, 0.080, 0.034)})
 
 
 def hut(name):
@@ -193,10 +218,11 @@ def hut(name):
         box("lamp", 1.0, x - 0.38, 1.05, front, x + 0.38, 1.75, front + 0.05)
     obj.write(name, {"stone": (0.20, 0.19, 0.18), "log": (0.155, 0.098, 0.058),
                      "shingle": (0.085, 0.078, 0.072), "door": (0.09, 0.055, 0.035),
-                     "lamp": (1.0, 0.72, 0.36)})
+                     "lamp": (0.30, 0.22, 0.12, 1.9, 0.98, 0.30)})
 
 
 if __name__ == "__main__":
-    pine("pine.obj", 11, 17.0, 3.1, 0.13, 24, (0.060, 0.092, 0.045))
-    pine("pine_young.obj", 5, 7.5, 2.0, 0.05, 14, (0.078, 0.112, 0.048))
+    pine("pine.obj", 11, 17.0, 3.2, 0.12, 33, (0.060, 0.092, 0.045))
+    pine("pine_young.obj", 5, 7.5, 1.9, 0.04, 19, (0.078, 0.112, 0.048))
+    far_pine("pine_far.obj", 17.0, 3.2)
     hut("hut.obj")

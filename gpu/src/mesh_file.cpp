@@ -19,6 +19,12 @@ aiColor4D base_colour(const aiMaterial& material) {
     return colour;
 }
 
+aiColor3D emission(const aiMaterial& material) {
+    aiColor3D colour(0, 0, 0);
+    material.Get(AI_MATKEY_COLOR_EMISSIVE, colour);
+    return colour;
+}
+
 bool finite(const aiVector3D& v) {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
@@ -47,6 +53,7 @@ Result<MeshData> load_mesh(const std::filesystem::path& file) {
         const aiMesh& mesh = *scene->mMeshes[m];
         if (!mesh.HasPositions() || !mesh.HasNormals()) continue;
         const aiColor4D base = base_colour(*scene->mMaterials[mesh.mMaterialIndex]);
+        const aiColor3D glow = emission(*scene->mMaterials[mesh.mMaterialIndex]);
         const auto first = std::uint32_t(data.vertices.size());
         for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
             const aiVector3D& p = mesh.mVertices[v];
@@ -56,7 +63,8 @@ Result<MeshData> load_mesh(const std::filesystem::path& file) {
                 mesh.HasVertexColors(0) ? mesh.mColors[0][v] : aiColor4D(1, 1, 1, 1);
             data.vertices.push_back({{p.x, p.y, p.z},
                                      {n.x, n.y, n.z},
-                                     {base.r * tint.r, base.g * tint.g, base.b * tint.b}});
+                                     {base.r * tint.r, base.g * tint.g, base.b * tint.b},
+                                     {glow.r, glow.g, glow.b}});
         }
         for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
             const aiFace& face = mesh.mFaces[f];

@@ -13,6 +13,7 @@ struct MeshVertex {
     float position[3];  ///< the file's units, node transforms applied
     float normal[3];
     float colour[3];  ///< linear: the material's base colour times the vertex colour
+    float glow[3];    ///< linear: light that the material gives out
 };
 
 struct MeshData {

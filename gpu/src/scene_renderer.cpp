@@ -57,6 +57,7 @@ MeshOnGpu upload(const Gl& gl, const MeshData& mesh, const std::vector<InstanceD
     float_attribute(gl, 0, 3, stride, offsetof(MeshVertex, position));
     float_attribute(gl, 1, 3, stride, offsetof(MeshVertex, normal));
     float_attribute(gl, 2, 3, stride, offsetof(MeshVertex, colour));
+    float_attribute(gl, 5, 3, stride, offsetof(MeshVertex, glow));
     group.instances = make_buffer(gl, GL_ARRAY_BUFFER, instances.size() * sizeof(InstanceData),
                                   instances.data(), GL_STATIC_DRAW);
     constexpr GLsizei instance_stride = sizeof(InstanceData);

@@ -86,6 +86,17 @@ TEST_CASE("an OBJ mesh is placed, scaled and turned, with its material's colour"
           doctest::Approx(-right.x() * std::tan(60 * 3.14159265358979 / 180)).epsilon(1e-3));
 }
 
+TEST_CASE("a material that gives out light needs no sun") {
+    const ScratchFolder scratch;
+    scratch.write("square.mtl", "newmtl red\nKd 0 0 0\nKe 0.25 1.5 0\n");
+    Scene scene = looking_at_origin();
+    scene.sun.colour = {0, 0, 0};
+    scene.meshes = {MeshInstance{.file = scratch.write("square.obj", square_obj)}};
+    const Picture picture = draw(osmesa().gl(), scene);
+    CHECK(picture.colour.at(20, 20, 0) == doctest::Approx(0.25).epsilon(1e-3));
+    CHECK(picture.colour.at(20, 20, 1) == doctest::Approx(1.5).epsilon(1e-3));
+}
+
 TEST_CASE("a GLB mesh keeps its node's transform and base colour") {
     const ScratchFolder scratch;
     Scene scene = looking_at_origin();
