@@ -45,7 +45,7 @@ def groves(rnd, count, area, clear, kinds, size, group, spread):
 
 def valley():
     rnd = random.Random(4)
-    eye, target = (-2900, 400, 1720), (-900, 85, 760)
+    eye, target = (-2900, 400, 1720), (-900, 62, 760)
 
     def clear(x, z):
         return math.hypot(x - eye[0], z - eye[2]) < 60
@@ -60,10 +60,10 @@ def valley():
                     "height": [0, 330]},
         "fog_colour": [0.83, 0.80, 0.79],
         "fog": [
-            {"model": "wavelet", "image": "../weather_smooth_512.png", "basis": "linear",
-             "rect": [-3600, -3200, 3600, 3200], "extinction": 0.035,
-             "height": {"profile": "exponential", "base": 95, "scale": 17}},
-            {"model": "wavelet", "image": "../weather_coverage_512.png", "basis": "quadratic",
+            {"model": "wavelet", "image": "../weather_coverage_512.png", "basis": "linear",
+             "rect": [-4200, -4200, 4200, 4200], "extinction": 0.05,
+             "height": {"profile": "exponential", "base": 111, "scale": 17}},
+            {"model": "wavelet", "image": "../weather_smooth_512.png", "basis": "quadratic",
              "rect": [-9000, -9000, 9000, 9000], "extinction": 0.00045,
              "height": {"profile": "exponential", "base": 120, "scale": 110}}],
         "method": {"name": "exact", "mu": 1.0},
