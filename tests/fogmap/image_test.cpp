@@ -53,6 +53,14 @@ Fogmap map_of(const fs::path& file, const ReadOptions& options = {}) {
     return std::move(*map);
 }
 
+// The whole process: 330 MB at the time of writing, 960 MB with the address sanitizer's quarantine.
+// A header that is believed costs 3300 MB (memory_DOS_2.2.exr).
+#ifdef __SANITIZE_ADDRESS__
+constexpr long kPeakLimit = 1800;
+#else
+constexpr long kPeakLimit = 700;
+#endif
+
 long peak_megabytes() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
@@ -246,8 +254,7 @@ TEST_CASE("a map above the limit is refused before it is read") {
     // 4 GiB of claims in a PGM of 20 bytes.
     write_bytes(dir / "claim.pgm", "P5 30000 30000 255\n0123");
     CHECK(map_error(dir / "claim.pgm") != "read");
-    // 100 MB above what the test needs anyway; such a claim would take gigabytes.
-    CHECK(peak_megabytes() < 700);
+    CHECK(peak_megabytes() < kPeakLimit);
 }
 
 TEST_CASE("truncated and empty pictures are errors in every format") {
@@ -320,7 +327,7 @@ TEST_CASE("odd and damaged files of other projects: no crash, no hang, no giant 
     }
     MESSAGE(read << " read, " << refused << " refused, " << skipped
                  << " of 3 folders skipped; peak " << peak_megabytes() << " MB");
-    CHECK(peak_megabytes() < 700);
+    CHECK(peak_megabytes() < kPeakLimit);
 }
 
 TEST_CASE("float pictures come back bit for bit, PNG within half a step") {

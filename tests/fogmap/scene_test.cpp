@@ -300,14 +300,18 @@ TEST_CASE("fogs come from scenes, fog files and images") {
 
 TEST_CASE("methods are parsed and named") {
     for (const char* name :
-         {"reference", "exact", "march:1", "march:32", "march:65536", "homogeneous"}) {
+         {"reference", "exact", "paper", "paper:16", "paper-scaling:32:perimeter", "march:1",
+          "march:32", "march:65536", "froxel:160x90x64", "homogeneous"}) {
         const auto method = parse_method(name);
         REQUIRE(method.has_value());
         CHECK(method->name() == name);
     }
-    for (const char* name : {"", "Exact", "march", "march:", "march:0", "march:-1", "march:65537",
-                             "march:3x", "march:99999999999", "froxel:1x1x1"}) {
+    for (const char* name :
+         {"", "Exact", "exact:1", "march", "march:", "march:0", "march:-1", "march:65537",
+          "march:3x", "march:99999999999", "march:3:4", "paper:1", "paper:32:round", "froxel",
+          "froxel:1x1", "froxel:0x1x1", "froxel:1x1x1x1", "homogeneous:2"}) {
         const auto method = parse_method(name);
+        CAPTURE(std::string(name));
         REQUIRE_FALSE(method.has_value());
         CHECK(method.error().kind == ErrorKind::usage);
     }
