@@ -70,7 +70,7 @@ double segment_mean(const double* polynomial, int degree, double u0, double v0, 
     // With u and v linear in s, the mean of u^n v^m over s in [0, 1] is
     //   sum_{i<=n, j<=m} C(n,i) u0^(n-i) u1^i C(m,j) v0^(m-j) v1^j / (C(n+m,i+j) (n+m+1)),
     // all terms positive inside a cell: no digits are lost however short the segment is.
-    constexpr int kOrder = 2 * 15 + 1;
+    constexpr int kOrder = 2 * max_degree + 1;
     double binomial[kOrder][kOrder];
     for (int n = 0; n <= 2 * degree; ++n) {
         binomial[n][0] = binomial[n][n] = 1;

@@ -20,7 +20,7 @@ std::vector<float> cell_polynomials(const Band<float>& band, int degree, Boundar
                                     int cells_x, int cells_z);
 
 /// Mean of rho over the segment (u0,v0) -> (u1,v1) inside one cell, in closed form; multiply by the
-/// segment's length for the integral. Finite for a segment of length 0.
+/// segment's length for the integral. Finite for a segment of length 0. degree <= max_degree.
 double segment_mean(const double* polynomial, int degree, double u0, double v0, double u1,
                     double v1);
 
