@@ -22,6 +22,24 @@ layout(std140) uniform FogBlock {
 } fog;
 #endif
 
+// Methods paper and paper-scaling: packed coefficients and path-integral tables.
+#ifdef __cplusplus
+struct PaperBlock {
+#else
+layout(std140) uniform PaperBlock {
+#endif
+    ivec4 place[FOG_MAX_LEVELS];   // l: xy texel of index (0, 0) in the packed atlas
+    ivec4 range[FOG_MAX_LEVELS];   // l: first index x, z and one past the last; a repeated map's period
+    ivec4 first_block;             // of phi phi, phi psi, psi phi, psi psi
+    ivec4 pieces;                  // x: of phi in half cells, y: of psi; z: first piece of psi
+    ivec4 table;                   // x: bilinear patches a row; y: 1 for the perimeter layout;
+                                   // z, w: first piece and translates that phi and psi cover together
+#ifdef __cplusplus
+};
+#else
+} paper;
+#endif
+
 // The eye's rays. A clip-space point (x, y, depth, 1) comes back to camera-relative world metres as
 // the homogeneous point (1 - depth) * near(x, y) + depth * far(x, y): no cancellation at any depth
 // convention, unlike one inverse matrix applied to 2 * depth - 1.

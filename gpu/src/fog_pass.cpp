@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <tuple>
+
 #include "fog_textures.h"
+#include "paper_data.h"
 
 namespace wavefog {
 namespace {
@@ -15,6 +18,9 @@ int method_number(const Method& method, bool any_fog) {
             return 1;
         case MethodKind::homogeneous:
             return 2;
+        case MethodKind::paper:
+        case MethodKind::paper_scaling:
+            return 4;
         default:
             return 0;
     }
@@ -25,14 +31,51 @@ struct Sampler {
     const char* name;
     GLint unit;
 };
-constexpr Sampler kSamplers[] = {
-    {"fog_cells", 0}, {"fog_map", 1}, {"scene_depth", 2}, {"scene_colour", 3}, {"previous_tau", 4}};
-constexpr GLuint kFogBinding = 0, kViewBinding = 1;
+constexpr Sampler kSamplers[] = {{"fog_cells", 0},    {"fog_map", 1},       {"scene_depth", 2},
+                                 {"scene_colour", 3}, {"previous_tau", 4},  {"paper_bands", 5},
+                                 {"paper_paths", 6},  {"paper_partials", 7}};
+constexpr GLint kUnits = 8;
+constexpr GLuint kFogBinding = 0, kViewBinding = 1, kPaperBinding = 2;
 
 struct Target {
     Texture texture;
     Framebuffer framebuffer;
 };
+
+/// Coefficients and path-integral tables of one fog for the paper's methods.
+struct PaperTextures {
+    Texture bands, paths, partials;
+    shader::PaperBlock block;
+    std::size_t bytes = 0;
+};
+
+Result<PaperTextures> make_paper_textures(const Gl& gl, const FogTextures::Impl& fog,
+                                          const Method& method) {
+    auto data = make_paper_data(fog.decomposition, method, fog.facts.density_scale);
+    if (!data) return tl::unexpected(data.error());
+    GLint largest = 0;
+    gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+    for (const auto& [what, width, height] :
+         {std::tuple{"packed coefficients", data->bands.width, data->bands.height},
+          std::tuple{"path-integral table", data->table.whole.width, data->table.whole.height}})
+        if (width > largest || height > largest)
+            return data_error(
+                fmt::format("method {}: the {} take a texture of {}x{}, this context "
+                            "allows {}; use a smaller map or table",
+                            method.name(), what, width, height, largest));
+    const auto texture = [&](int width, int height, const std::vector<float>& rgba) {
+        return make_texture_2d(gl, GL_RGBA32F, width, height, GL_RGBA, GL_FLOAT, rgba.data());
+    };
+    PaperTextures textures;
+    textures.bands = texture(data->bands.width, data->bands.height, data->bands.rgba);
+    textures.paths =
+        texture(data->table.whole.width, data->table.whole.height, data->table.whole.rgba);
+    textures.partials =
+        texture(data->table.partial.width, data->table.partial.height, data->table.partial.rgba);
+    textures.block = data->block;
+    textures.bytes = data->bytes();
+    return textures;
+}
 
 }  // namespace
 
@@ -44,10 +87,15 @@ struct FogPass::Impl {
     // Fog i adds its optical depth to that of the fogs before it; the last one ends in the output.
     std::vector<Program> add_tau;
     Program last_colour;
-    Buffer fog_uniforms, view_uniforms;
+    std::vector<PaperTextures> paper;  ///< one a fog with the paper's methods, else none
+    Buffer fog_uniforms, view_uniforms, paper_uniforms;
     VertexArray vertices;
     Target partial[2];  ///< optical depth of the fogs drawn so far, in turns
     int width = 0, height = 0;
+
+    Impl(const Gl& functions, std::vector<const FogTextures*> drawn, const Method& with,
+         const Eigen::Vector3d& colour)
+        : gl(functions), fogs(std::move(drawn)), method(with), fog_colour(colour) {}
 
     Result<Program> build(std::size_t fog, bool colour) const {
         std::vector<std::string> defines = {
@@ -60,6 +108,7 @@ struct FogPass::Impl {
             if (facts.boundary == Boundary::repeat) defines.push_back("FOG_REPEAT");
             if (facts.skip) defines.push_back("FOG_SKIP");
         }
+        if (method.kind == MethodKind::paper_scaling) defines.push_back("FOG_PAPER_SCALING");
         defines.push_back(fmt::format("FOG_DEGREE {}", degree));
         defines.push_back(fmt::format("FOG_PROFILE {}", profile));
         if (!colour) defines.push_back("FOG_OUTPUT_TAU");
@@ -72,6 +121,7 @@ struct FogPass::Impl {
                 gl.Uniform1i(at, sampler.unit);
         bind_block(program->name(), "FogBlock", kFogBinding);
         bind_block(program->name(), "ViewBlock", kViewBinding);
+        bind_block(program->name(), "PaperBlock", kPaperBinding);
         gl.UseProgram(0);
         return program;
     }
@@ -128,10 +178,16 @@ struct FogPass::Impl {
                 bind_texture(0, fog.cells.name());
                 bind_texture(1, fog.map.name());
             }
+            if (i < paper.size()) {
+                upload(paper_uniforms, kPaperBinding, paper[i].block);
+                bind_texture(5, paper[i].bands.name());
+                bind_texture(6, paper[i].paths.name());
+                bind_texture(7, paper[i].partials.name());
+            }
             if (i > 0) bind_texture(4, partial[(i - 1) % 2].texture.name());
             gl.DrawArrays(GL_TRIANGLES, 0, 3);
         }
-        for (GLint unit = 4; unit >= 0; --unit) bind_texture(unit, 0);
+        for (GLint unit = kUnits - 1; unit >= 0; --unit) bind_texture(unit, 0);
         gl.BindVertexArray(0);
         gl.UseProgram(0);
     }
@@ -148,8 +204,13 @@ Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fo
         return usage_error(
             "method reference runs on the CPU (class Reference); the fog pass draws "
             "exact, march:N or homogeneous");
-    auto impl = std::unique_ptr<Impl>(
-        new Impl{gl, std::move(fogs), method, fog_colour, {}, {}, {}, {}, {}, {}, 0, 0});
+    auto impl = std::make_unique<Impl>(gl, std::move(fogs), method, fog_colour);
+    if (method.kind == MethodKind::paper || method.kind == MethodKind::paper_scaling)
+        for (const FogTextures* fog : impl->fogs) {
+            auto textures = make_paper_textures(gl, *fog->impl_, method);
+            if (!textures) return tl::unexpected(textures.error());
+            impl->paper.push_back(std::move(*textures));
+        }
     const std::size_t count = std::max<std::size_t>(impl->fogs.size(), 1);
     for (std::size_t i = 0; i < count; ++i) {
         auto program = impl->build(i, false);
@@ -163,6 +224,8 @@ Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fo
         make_buffer(gl, GL_UNIFORM_BUFFER, sizeof(shader::FogBlock), nullptr, GL_DYNAMIC_DRAW);
     impl->view_uniforms =
         make_buffer(gl, GL_UNIFORM_BUFFER, sizeof(shader::ViewBlock), nullptr, GL_DYNAMIC_DRAW);
+    impl->paper_uniforms =
+        make_buffer(gl, GL_UNIFORM_BUFFER, sizeof(shader::PaperBlock), nullptr, GL_DYNAMIC_DRAW);
     impl->vertices = make_vertex_array(gl);
     return FogPass(std::move(impl));
 }

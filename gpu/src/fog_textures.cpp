@@ -14,15 +14,8 @@ std::size_t FogTextures::bytes() const {
 }
 
 Result<FogTextures> FogTextures::create(const Gl& gl, const Fog& fog) {
-    if (fog.degree() > 2)
-        return data_error(fmt::format(
-            "fog: the shaders draw degree 0, 1 and 2, this fog has degree {}; convert it with "
-            "--basis haar, linear or quadratic",
-            fog.degree()));
+    if (auto drawable = check_drawable(fog); !drawable) return tl::unexpected(drawable.error());
     const auto pyramid = approximations(fog.decomposition);
-    if (pyramid.detail_levels() >= FOG_MAX_LEVELS)
-        return data_error(fmt::format("fog: {} levels, the shaders hold {}; convert with fewer",
-                                      pyramid.detail_levels(), FOG_MAX_LEVELS - 1));
     const CellAtlas atlas = build_cell_atlas(pyramid);
     GLint largest = 0;
     gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
@@ -35,6 +28,7 @@ Result<FogTextures> FogTextures::create(const Gl& gl, const Fog& fog) {
 
     auto impl = std::make_unique<Impl>();
     impl->facts = fog_facts(fog, atlas);
+    impl->decomposition = fog.decomposition;
     const bool single = atlas.channels == 1;
     impl->cells = make_texture_2d(gl, single ? GL_R32F : GL_RGBA32F, atlas.width, atlas.height,
                                   single ? GL_RED : GL_RGBA, GL_FLOAT, atlas.texels.data());

@@ -1,5 +1,7 @@
 #include "fog_uniforms.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -16,6 +18,18 @@ glm::vec4 to_vec4(const Eigen::Vector4d& v) {
 }
 
 }  // namespace
+
+Result<void> check_drawable(const Fog& fog) {
+    if (fog.degree() > 2)
+        return data_error(fmt::format(
+            "fog: the shaders draw degree 0, 1 and 2, this fog has degree {}; convert it with "
+            "--basis haar, linear or quadratic",
+            fog.degree()));
+    if (fog.decomposition.levels() >= FOG_MAX_LEVELS)
+        return data_error(fmt::format("fog: {} levels, the shaders hold {}; convert with fewer",
+                                      fog.decomposition.levels(), FOG_MAX_LEVELS - 1));
+    return {};
+}
 
 FogFacts fog_facts(const Fog& fog, const CellAtlas& atlas) {
     const auto& d = fog.decomposition;

@@ -25,6 +25,8 @@ struct FogFacts {
     double density_scale = 1, mean_density = 0;
     bool skip = false;  ///< enough empty squares for FOG_SKIP to pay
 };
+/// A data error for degrees and level counts beyond the shaders'.
+Result<void> check_drawable(const Fog& fog);
 FogFacts fog_facts(const Fog& fog, const CellAtlas& atlas);
 
 /// FOG_PROFILE of fog_ray.glsl.

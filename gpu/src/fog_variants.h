@@ -11,7 +11,7 @@ struct Ray {
     float eta = 0, rise = 0, metres = 0, passed = 0, last = 1;
 };
 
-enum class Evaluation { exact, march, homogeneous };
+enum class Evaluation { exact, march, homogeneous, paper, paper_scaling };
 
 /// The shader's defines: FOG_DEGREE, FOG_PROFILE, FOG_REPEAT, FOG_SKIP.
 struct Variant {

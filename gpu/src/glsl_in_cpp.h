@@ -10,6 +10,7 @@ namespace wavefog::shader {
 using glm::abs;
 using glm::ceil;
 using glm::clamp;
+using glm::dot;
 using glm::exp;
 using glm::floor;
 using glm::ivec2;
@@ -70,5 +71,9 @@ inline vec4 texture(const sampler2D& s, vec2 p) {
 inline thread_local FogBlock fog;
 inline thread_local sampler2D fog_cells;
 inline thread_local sampler2D fog_map;
+inline thread_local PaperBlock paper;
+inline thread_local sampler2D paper_bands;
+inline thread_local sampler2D paper_paths;
+inline thread_local sampler2D paper_partials;
 
 }  // namespace wavefog::shader

@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "fog_uniforms.h"
 #include "fog_variants.h"
+#include "paper_data.h"
 #include "wavefog/gpu/fog_pass.h"
 
 namespace wavefog {
@@ -14,6 +16,7 @@ struct ShaderOnCpu::Impl {
     Grid<float> map;
     FogFacts facts;
     Method method;
+    std::optional<PaperData> paper;
 };
 
 namespace {
@@ -53,14 +56,30 @@ double fog_entry(const FogFacts& fog, const Eigen::Vector3d& o, const Eigen::Vec
 
 }  // namespace
 
-ShaderOnCpu::ShaderOnCpu(const Fog& fog, const Method& method) : impl_(std::make_unique<Impl>()) {
+ShaderOnCpu::ShaderOnCpu(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+Result<ShaderOnCpu> ShaderOnCpu::create(const Fog& fog, const Method& method) {
+    if (method.kind == MethodKind::reference || method.kind == MethodKind::froxel)
+        return usage_error("method " + method.name() +
+                           ": has no shader for single rays; choose exact, paper, paper-scaling, "
+                           "march:N or homogeneous");
+    if (auto drawable = check_drawable(fog); !drawable) return tl::unexpected(drawable.error());
+    auto impl = std::make_unique<Impl>();
     const auto pyramid = approximations(fog.decomposition);
-    impl_->atlas = build_cell_atlas(pyramid);
-    impl_->map = pyramid.levels.back().values / static_cast<float>(impl_->atlas.density_scale);
-    impl_->facts = fog_facts(fog, impl_->atlas);
-    impl_->method = method;
+    impl->atlas = build_cell_atlas(pyramid);
+    impl->map = pyramid.levels.back().values / static_cast<float>(impl->atlas.density_scale);
+    impl->facts = fog_facts(fog, impl->atlas);
+    impl->method = method;
+    if (method.kind == MethodKind::paper || method.kind == MethodKind::paper_scaling) {
+        auto data = make_paper_data(fog.decomposition, method, impl->atlas.density_scale);
+        if (!data) return tl::unexpected(data.error());
+        impl->paper = std::move(*data);
+        impl->facts.skip = false;
+    }
+    return ShaderOnCpu(std::move(impl));
 }
 ShaderOnCpu::ShaderOnCpu(ShaderOnCpu&&) noexcept = default;
+ShaderOnCpu& ShaderOnCpu::operator=(ShaderOnCpu&&) noexcept = default;
 ShaderOnCpu::~ShaderOnCpu() = default;
 
 double ShaderOnCpu::optical_depth(const Eigen::Vector3d& o, const Eigen::Vector3d& p) const {
@@ -91,10 +110,35 @@ double ShaderOnCpu::optical_depth(const Eigen::Vector3d& o, const Eigen::Vector3
     ray.metres = static_cast<float>(metres);
     ray.passed = static_cast<float>(entry);
     ray.last = static_cast<float>(1 - entry);
-    const auto evaluation = impl_->method.kind == MethodKind::march ? s::Evaluation::march
-                            : impl_->method.kind == MethodKind::homogeneous
-                                ? s::Evaluation::homogeneous
-                                : s::Evaluation::exact;
+    auto evaluation = s::Evaluation::exact;
+    switch (impl_->method.kind) {
+        case MethodKind::march:
+            evaluation = s::Evaluation::march;
+            break;
+        case MethodKind::homogeneous:
+            evaluation = s::Evaluation::homogeneous;
+            break;
+        case MethodKind::paper:
+            evaluation = s::Evaluation::paper;
+            break;
+        case MethodKind::paper_scaling:
+            evaluation = s::Evaluation::paper_scaling;
+            break;
+        default:
+            break;
+    }
+    if (impl_->paper) {
+        const auto& data = *impl_->paper;
+        const auto sampler = [](const std::vector<float>& rgba, int width, int height) {
+            return s::sampler2D{rgba.data(), width, height, 4, false, false};
+        };
+        s::paper = data.block;
+        s::paper_bands = sampler(data.bands.rgba, data.bands.width, data.bands.height);
+        s::paper_paths =
+            sampler(data.table.whole.rgba, data.table.whole.width, data.table.whole.height);
+        s::paper_partials =
+            sampler(data.table.partial.rgba, data.table.partial.width, data.table.partial.height);
+    }
     return s::evaluate(
         {fog.degree, profile_number(fog.profile), fog.boundary == Boundary::repeat, fog.skip},
         evaluation, ray, impl_->method.samples);

@@ -182,6 +182,37 @@ TEST_CASE("fog pass: every basis, profile and camera equals the reference, mu 1 
     }
 }
 
+TEST_CASE("fog pass: paper and paper-scaling equal the reference in pictures") {
+    Context& context = osmesa();
+    const Gl& gl = context.gl();
+    Random random(59);
+    for (const auto& [name, camera] : camera_cases()) {
+        FogPicture picture = make_picture(gl, camera);
+        for (int degree = 0; degree <= 2; ++degree) {
+            FogOptions options;
+            options.degree = degree;
+            options.levels = 2;
+            Fog fog = random_fog(48, 32, options, random);
+            fog.profile = all_profiles()[1];
+            const auto textures = FogTextures::create(gl, fog);
+            const std::vector<Reference> reference = {Reference(fog)};
+            for (const MethodKind kind : {MethodKind::paper, MethodKind::paper_scaling}) {
+                auto pass = FogPass::create(gl, {&*textures}, {.kind = kind}, {1, 1, 1});
+                REQUIRE_MESSAGE(pass.has_value(), (pass ? "" : pass.error().message));
+                pass->draw_optical_depth(picture.frame, camera, picture.target.name());
+                const Image tau = read_texture(gl, picture.tau.name(), kWidth, kHeight, 4);
+                int sky = 0;
+                CAPTURE(std::string(name));
+                CAPTURE(degree);
+                CAPTURE(static_cast<int>(kind));
+                // Degree 2 reads tables of 32 samples an edge (paper_test.cpp): 0.2 / 31^2.
+                CHECK_LE(largest_error(picture, camera, tau, reference, 1, sky),
+                         degree < 2 ? 5e-6 : 2.1e-4);
+            }
+        }
+    }
+}
+
 TEST_CASE("fog pass: several fogs add up, repeat and a world offset of 1e6 m") {
     Context& context = osmesa();
     const Gl& gl = context.gl();

@@ -20,6 +20,12 @@ namespace {
 // to 1e-6 of tau; exp(-tau) then loses at most tau exp(-tau) <= 0.37 of that.
 constexpr double kMaxError = 2e-6;
 
+ShaderOnCpu shader_of(const Fog& fog, const Method& method) {
+    auto shader = ShaderOnCpu::create(fog, method);
+    REQUIRE_MESSAGE(shader.has_value(), (shader ? "" : shader.error().message));
+    return std::move(*shader);
+}
+
 using Segment = std::pair<Eigen::Vector3d, Eigen::Vector3d>;
 
 struct Evaluators {
@@ -27,7 +33,7 @@ struct Evaluators {
     ShaderOnCpu shader;
     double mu;
     Evaluators(const Fog& fog, double keep)
-        : reference(fog), shader(fog, Method{.kind = MethodKind::exact, .mu = keep}), mu(keep) {}
+        : reference(fog), shader(shader_of(fog, {.mu = keep})), mu(keep) {}
     double error(const Segment& s) const {
         const double truth = std::exp(-reference.optical_depth(s.first, s.second, mu));
         const double tau = shader.optical_depth(s.first, s.second);
@@ -236,7 +242,7 @@ TEST_CASE("shader: row 9: with details dropped T stays in [0,1] and falls along 
     Fog fog = fog_of(make_map<float>(MapKind::hard_edged, 64, 64, random), options);
     fog.rect = {0, 0, 64, 64};
     fog.extinction = 0.2;
-    const ShaderOnCpu shader(fog, Method{.kind = MethodKind::exact, .mu = 0});
+    const ShaderOnCpu shader = shader_of(fog, {.kind = MethodKind::exact, .mu = 0});
     for (int i = 0; i < 200; ++i) {
         // The approximation's knots lie 8 cells apart; whole steps can only add.
         const double z = random.uniform(0, 64);
@@ -256,7 +262,7 @@ TEST_CASE("shader: rows 14 and 19: empty air stays empty, a constant map equals 
     Random random(19);
     for (int degree = 0; degree <= 2; ++degree) {
         Fog sparse = sparse_fog(options_of(degree, Boundary::zero, 4));
-        const ShaderOnCpu shader(sparse, Method{});
+        const ShaderOnCpu shader = shader_of(sparse, {});
         // Rows -30..-10 hold no fog.
         CHECK_LE(shader.optical_depth({-30, 0, -12}, {20, 0, -14}), 1e-6);
 
@@ -264,7 +270,7 @@ TEST_CASE("shader: rows 14 and 19: empty air stays empty, a constant map equals 
                               options_of(degree, Boundary::repeat, 3));
         constant.rect = {0, 0, 40, 40};
         constant.extinction = 0.03;
-        const ShaderOnCpu flat(constant, Method{});
+        const ShaderOnCpu flat = shader_of(constant, {});
         for (int i = 0; i < 100; ++i) {
             const Eigen::Vector3d o(random.uniform(-100, 100), random.uniform(-9, 9),
                                     random.uniform(-100, 100));
@@ -304,7 +310,7 @@ TEST_CASE("shader: tau(a,b) = tau(b,a), and the parts add up") {
     Random random(29);
     for (int degree = 0; degree <= 2; ++degree) {
         const Fog fog = random_fog(48, 32, options_of(degree), random);
-        const ShaderOnCpu shader(fog, Method{});
+        const ShaderOnCpu shader = shader_of(fog, {});
         for (const auto& s : random_segments(random, 200)) {
             const double whole = shader.optical_depth(s.first, s.second);
             CHECK_LE(std::abs(whole - shader.optical_depth(s.second, s.first)), 2e-6 * (1 + whole));
@@ -319,11 +325,11 @@ TEST_CASE("shader: tau(a,b) = tau(b,a), and the parts add up") {
 TEST_CASE("shader: march:N converges to exact on linear fog with N") {
     Random random(31);
     const Fog fog = random_fog(48, 32, options_of(1), random);
-    const ShaderOnCpu exact(fog, Method{});
+    const ShaderOnCpu exact = shader_of(fog, {});
     const auto segments = random_segments(random, 50);
     double before = 1;
     for (const int samples : {16, 256, 4096}) {
-        const ShaderOnCpu march(fog, Method{.kind = MethodKind::march, .samples = samples});
+        const ShaderOnCpu march = shader_of(fog, {.kind = MethodKind::march, .samples = samples});
         double largest = 0;
         for (const auto& s : segments)
             largest = std::max(largest, std::abs(march.optical_depth(s.first, s.second) -

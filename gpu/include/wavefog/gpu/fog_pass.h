@@ -18,9 +18,10 @@ class FogTextures {
     ~FogTextures();
     std::size_t bytes() const;  ///< held on the GPU
 
+    struct Impl;  ///< of the library
+
   private:
     friend class FogPass;
-    struct Impl;
     explicit FogTextures(std::unique_ptr<Impl> impl);
     std::unique_ptr<Impl> impl_;
 };
@@ -49,16 +50,18 @@ class FogPass {
 };
 
 /// The fog shader compiled as C++ (the same GLSL text through GLM), in float32, for one fog: what
-/// `probe` prints and what the CPU tests check. Not for MethodKind::reference.
+/// `probe` prints and what the CPU tests check. Not for reference and froxel.
 class ShaderOnCpu {
   public:
-    ShaderOnCpu(const Fog& fog, const Method& method);
+    static Result<ShaderOnCpu> create(const Fog& fog, const Method& method);
     ShaderOnCpu(ShaderOnCpu&&) noexcept;
+    ShaderOnCpu& operator=(ShaderOnCpu&&) noexcept;
     ~ShaderOnCpu();
     double optical_depth(const Eigen::Vector3d& o, const Eigen::Vector3d& p) const;
 
   private:
     struct Impl;
+    explicit ShaderOnCpu(std::unique_ptr<Impl> impl);
     std::unique_ptr<Impl> impl_;
 };
 
