@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <new>
 #include <numbers>
 #include <optional>
 
@@ -204,10 +205,14 @@ void SceneRenderer::Impl::draw_sky(const FrameTarget& target, const Camera& came
 }
 
 Result<SceneRenderer> SceneRenderer::create(const Gl& gl, const Scene& scene) {
-    auto impl = std::make_unique<Impl>();
-    impl->gl = &gl;
-    if (auto loaded = impl->load(scene); !loaded) return tl::unexpected(loaded.error());
-    return SceneRenderer(std::move(impl));
+    try {
+        auto impl = std::make_unique<Impl>();
+        impl->gl = &gl;
+        if (auto loaded = impl->load(scene); !loaded) return tl::unexpected(loaded.error());
+        return SceneRenderer(std::move(impl));
+    } catch (const std::bad_alloc&) {
+        return data_error("scene: not enough memory for its terrain and meshes; use smaller ones");
+    }
 }
 
 SceneRenderer::SceneRenderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}

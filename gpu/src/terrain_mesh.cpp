@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <system_error>
 #include <thread>
 
 namespace wavefog {
@@ -37,11 +38,19 @@ struct VertexGrid {
 /// Runs body(row) for all rows on a few threads.
 void parallel_rows(int rows, const std::function<void(int)>& body) {
     const unsigned count = std::clamp(std::thread::hardware_concurrency(), 1u, 16u);
+    const auto share = [&](unsigned t) {
+        for (int row = int(t); row < rows; row += int(count)) body(row);
+    };
     std::vector<std::jthread> threads;
-    for (unsigned t = 0; t < count; ++t)
-        threads.emplace_back([=, &body] {
-            for (int row = int(t); row < rows; row += int(count)) body(row);
-        });
+    threads.reserve(count);
+    for (unsigned t = 1; t < count; ++t) {
+        try {
+            threads.emplace_back(share, t);
+        } catch (const std::system_error&) {  // no more threads to be had
+            share(t);
+        }
+    }
+    share(0);
 }
 
 /// Marches towards the sun. The least angle between the ray and the ground below it decides: a
