@@ -65,24 +65,63 @@ vec3 paper_nodes(float x) {
 #endif
 }
 
-// Mean of a block's function from a to b, anywhere in the cell.
-float paper_partial(int block, vec2 a, vec2 b) {
-    vec3 x0 = paper_nodes(a.x);
-    vec3 z0 = paper_nodes(a.y);
-    vec3 x1 = paper_nodes(b.x);
-    vec3 z1 = paper_nodes(b.y);
-    float sum = 0.0f;
-    int column = 0;
-    for (int i = 0; i <= FOG_DEGREE; ++i) {
-        for (int j = 0; j <= FOG_DEGREE; ++j) {
-            for (int k = 0; k <= FOG_DEGREE; ++k) {
-                vec4 value = texelFetch(paper_partials, ivec2(column, block), 0);
-                sum += z0[i] * x0[j] * z1[k] * (value.x * x1.x + value.y * x1.y + value.z * x1.z);
-                ++column;
-            }
-        }
-    }
-    return sum;
+// Values of functions at a cell's nodes, or their weights in the mean over a path.
+struct PaperNodes {
+#if FOG_DEGREE == 2
+    vec4 row0;  // v = 0: u = 0, 1/2, 1
+    vec4 row1;
+    vec4 row2;
+#else
+    vec4 corners;  // Haar: x; linear: (0,0), (1,0), (0,1), (1,1)
+#endif
+};
+
+// The mean over a -> b, anywhere in the cell, is the same weighted sum of node values for every
+// function: Gauss-Legendre with d + 1 nodes on the path, exact.
+PaperNodes paper_weights(vec2 a, vec2 b) {
+    PaperNodes w;
+#if FOG_DEGREE == 0
+    w.corners = vec4(1.0f, 0.0f, 0.0f, 0.0f);
+#elif FOG_DEGREE == 1
+    vec2 m = 0.5f * (a + b);
+    vec2 d = 0.288675134594813f * (b - a);
+    vec3 x = paper_nodes(m.x - d.x);
+    vec3 z = paper_nodes(m.y - d.y);
+    w.corners = 0.5f * vec4(x.x * z.x, x.y * z.x, x.x * z.y, x.y * z.y);
+    x = paper_nodes(m.x + d.x);
+    z = paper_nodes(m.y + d.y);
+    w.corners += 0.5f * vec4(x.x * z.x, x.y * z.x, x.x * z.y, x.y * z.y);
+#else
+    vec2 m = 0.5f * (a + b);
+    vec2 d = 0.387298334620742f * (b - a);
+    vec3 x = paper_nodes(m.x);
+    vec3 z = (4.0f / 9.0f) * paper_nodes(m.y);
+    w.row0 = vec4(x * z.x, 0.0f);
+    w.row1 = vec4(x * z.y, 0.0f);
+    w.row2 = vec4(x * z.z, 0.0f);
+    x = paper_nodes(m.x - d.x);
+    z = (5.0f / 18.0f) * paper_nodes(m.y - d.y);
+    w.row0 += vec4(x * z.x, 0.0f);
+    w.row1 += vec4(x * z.y, 0.0f);
+    w.row2 += vec4(x * z.z, 0.0f);
+    x = paper_nodes(m.x + d.x);
+    z = (5.0f / 18.0f) * paper_nodes(m.y + d.y);
+    w.row0 += vec4(x * z.x, 0.0f);
+    w.row1 += vec4(x * z.y, 0.0f);
+    w.row2 += vec4(x * z.z, 0.0f);
+#endif
+    return w;
+}
+
+// Coefficient times the weighted node values of a block's function.
+float paper_partial(float coefficient, int block, PaperNodes w) {
+#if FOG_DEGREE == 2
+    return coefficient * (dot(texelFetch(paper_partials, ivec2(0, block), 0), w.row0) +
+                          dot(texelFetch(paper_partials, ivec2(1, block), 0), w.row1) +
+                          dot(texelFetch(paper_partials, ivec2(2, block), 0), w.row2));
+#else
+    return coefficient * dot(texelFetch(paper_partials, ivec2(0, block), 0), w.corners);
+#endif
 }
 
 // Coefficients phi phi, phi psi, psi phi, psi psi of index k, 0 where there are none.
@@ -163,22 +202,23 @@ float paper_cell_whole(int l, ivec2 cell, PaperPath path) {
 
 // From a to b anywhere in the cell.
 float paper_cell_partial(int l, ivec2 cell, vec2 a, vec2 b) {
+    PaperNodes w = paper_weights(a, b);
     float mean = 0.0f;
     if (PAPER_WAVELETS(l)) {
         int translates = paper.table.w;
         for (int j = 0; j < translates; ++j) {
             for (int i = 0; i < translates; ++i) {
                 PaperBands bands = paper_bands_at(l, cell, i, j);
-                mean += bands.c.y * paper_partial(bands.block.y, a, b) +
-                        bands.c.z * paper_partial(bands.block.z, a, b) +
-                        bands.c.w * paper_partial(bands.block.w, a, b);
+                mean += paper_partial(bands.c.y, bands.block.y, w) +
+                        paper_partial(bands.c.z, bands.block.z, w) +
+                        paper_partial(bands.c.w, bands.block.w, w);
             }
         }
     } else {
         for (int j = 0; j <= FOG_DEGREE; ++j) {
             for (int i = 0; i <= FOG_DEGREE; ++i) {
-                mean += paper_coefficients(l, ivec2(cell.x - i, cell.y - j)).x *
-                        paper_partial(paper.first_block.x + j * (FOG_DEGREE + 1) + i, a, b);
+                mean += paper_partial(paper_coefficients(l, ivec2(cell.x - i, cell.y - j)).x,
+                                      paper.first_block.x + j * (FOG_DEGREE + 1) + i, w);
             }
         }
     }
@@ -221,34 +261,34 @@ float paper_level(FogRay ray, int l, float from, float to) {
     float t = from;
     float sum = 0.0f;
     // The first path begins inside a cell, then come whole cells, the last path ends inside one.
-    for (int end = 0; end < 2; ++end) {
-        float next = max(min(min(cross.x, cross.y), to), t);
-        if (next > t) {
-            vec2 a = clamp(o + g * t - k, 0.0f, 1.0f);
-            vec2 b = clamp(o + g * next - k, 0.0f, 1.0f);
-            sum += paper_cell_partial(l, ivec2(int(k.x), int(k.y)) + base, a, b) * (next - t) *
-                   paper_height(ray, t, next);
+    float next = max(min(min(cross.x, cross.y), to), t);
+    vec2 a = clamp(o + g * t - k, 0.0f, 1.0f);
+    vec2 b = clamp(o + g * next - k, 0.0f, 1.0f);
+    sum += paper_cell_partial(l, ivec2(int(k.x), int(k.y)) + base, a, b) * (next - t) *
+           paper_height(ray, t, next);
+    t = next;
+    while (t < to) {
+        bool along_x = cross.x <= cross.y;
+        int enter = along_x ? enter_face.x : enter_face.y;
+        k = vec2(along_x ? k.x + forward.x : k.x, along_x ? k.y : k.y + forward.y);
+        cross = (k + face) * per_cell;
+        next = max(min(cross.x, cross.y), t);
+        if (next >= to) {
+            break;
         }
+        // The faces opposite to those by which a ray in this direction enters.
+        int leave = cross.x <= cross.y ? 1 - enter_face.x : 5 - enter_face.y;
+        a = clamp(o + g * t - k, 0.0f, 1.0f);
+        b = clamp(o + g * next - k, 0.0f, 1.0f);
+        PaperPath path = paper_whole(enter, a, leave, b, next - t, per_length);
+        sum += paper_cell_whole(l, ivec2(int(k.x), int(k.y)) + base, path) *
+               paper_height(ray, t, next);
         t = next;
-        while (t < to) {
-            bool along_x = cross.x <= cross.y;
-            int enter = along_x ? enter_face.x : enter_face.y;
-            k = vec2(along_x ? k.x + forward.x : k.x, along_x ? k.y : k.y + forward.y);
-            cross = (k + face) * per_cell;
-            next = max(min(cross.x, cross.y), t);
-            if (next >= to) {
-                break;
-            }
-            // The faces opposite to those by which a ray in this direction enters.
-            int leave = cross.x <= cross.y ? 1 - enter_face.x : 5 - enter_face.y;
-            vec2 a = clamp(o + g * t - k, 0.0f, 1.0f);
-            vec2 b = clamp(o + g * next - k, 0.0f, 1.0f);
-            PaperPath path = paper_whole(enter, a, leave, b, next - t, per_length);
-            sum += paper_cell_whole(l, ivec2(int(k.x), int(k.y)) + base, path) *
-                   paper_height(ray, t, next);
-            t = next;
-        }
     }
+    a = clamp(o + g * t - k, 0.0f, 1.0f);
+    b = clamp(o + g * to - k, 0.0f, 1.0f);
+    sum += paper_cell_partial(l, ivec2(int(k.x), int(k.y)) + base, a, b) * (to - t) *
+           paper_height(ray, t, to);
     return sum;
 }
 

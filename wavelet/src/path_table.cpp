@@ -95,12 +95,12 @@ class Filler {
     void partial() {
         const int order = table_.degree + 1;
         const auto node = [&](int i) { return order == 1 ? 0.5 : double(i) / (order - 1); };
-        for (int z0 = 0; z0 < order; ++z0)
-            for (int x0 = 0; x0 < order; ++x0)
-                for (int z1 = 0; z1 < order; ++z1)
-                    for (int x1 = 0; x1 < order; ++x1)
-                        texel(table_.partial, (z0 * order + x0) * order + z1, block_)[x1] =
-                            mean({node(x0), node(z0)}, {node(x1), node(z1)});
+        for (int j = 0; j < order; ++j)
+            for (int i = 0; i < order; ++i) {
+                const Point p{node(i), node(j)};
+                const int value = order == 2 ? j * order + i : i;
+                texel(table_.partial, order == 2 ? 0 : j, block_)[value] = mean(p, p);
+            }
     }
 
   private:
@@ -215,7 +215,7 @@ Result<PathTable> make_path_table(const Family& family, int samples, PathLayout 
               side = layout == PathLayout::mean ? samples - 1 : 4 * samples;
     table.whole.width = layout == PathLayout::mean ? 6 * side : side;
     table.whole.height = blocks * side;
-    table.partial.width = order * order * order;
+    table.partial.width = order == 2 ? 1 : order;
     table.partial.height = blocks;
     const auto floats = [](const PathTexture& t) {
         return 4 * static_cast<std::size_t>(t.width) * static_cast<std::size_t>(t.height);

@@ -63,11 +63,12 @@ struct PathTable {
     /// first. perimeter: columns i = 0 .. 4 N - 1 (exit), rows block 4 N + j (entry), place = x
     /// along z = 0, 1 + z along x = 1, 3 - x along z = 1, 4 - z along x = 0.
     PathTexture whole;
-    /// Partial paths, which begin or end inside the cell: mean from (x0, z0) to (x1, z1) at d + 1
-    /// nodes a coordinate, to be interpolated at degree d in each: exact, since the mean of a
-    /// degree-(d,d) polynomial over a segment has degree d in each end coordinate. One row a block;
-    /// column (z0 (d+1) + x0) (d+1) + z1 holds x1 = 0 .. d in its channels. Nodes at i / d (1/2 for
-    /// d = 0).
+    /// Partial paths, which begin or end inside the cell, have four coordinates: too many for a
+    /// table of integrals. But the mean of every degree-(d,d) polynomial over one segment is the
+    /// same weighted sum of its values at (d + 1)^2 nodes (i / d, j / d), so the table holds those
+    /// values and the path gives the weights: exact. One row a block; degree 0: one value; degree
+    /// 1: one texel, (0,0), (1,0), (0,1), (1,1); degree 2: texel j holds nodes (0, j/2), (1/2,
+    /// j/2), (1, j/2).
     PathTexture partial;
 
     std::size_t bytes() const { return (whole.rgba.size() + partial.rgba.size()) * sizeof(float); }
