@@ -1,0 +1,104 @@
+// wavefog decode: the map of a fog file as a picture.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+#include "command.h"
+#include "files.h"
+#include "interrupt.h"
+#include "options.h"
+#include "report.h"
+#include "wavefog/fogmap/fog_file.h"
+#include "wavefog/fogmap/image.h"
+
+namespace wavefog::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct DecodeOptions {
+    fs::path input, output;
+    std::optional<int> level;
+    bool json = false;
+};
+
+Image picture_of(const Grid<float>& values) {
+    Image image{int(values.cols()), int(values.rows()), 1, {}};
+    image.pixels.assign(values.data(), values.data() + values.size());
+    return image;
+}
+
+Result<void> decode(const DecodeOptions& options) {
+    // A fog of --layout levels is found by the name it was saved under, which is no file's.
+    if (auto ok = check_input(options.input); !ok && !is_fog_file(options.input)) return ok;
+    if (auto ok = check_output(options.output, {options.input}, {".exr", ".tif", ".tiff", ".png"});
+        !ok)
+        return ok;
+    const Result<Fog> fog = load_fog(options.input);
+    if (!fog) return tl::unexpected(fog.error());
+    const Decomposition<float>& d = fog->decomposition;
+    const int level = options.level.value_or(d.levels());
+    if (level > d.levels())
+        return usage_error(
+            fmt::format("--level {}: {} has levels 0 (coarsest) to {} (the map "
+                        "itself); choose one of them",
+                        level, options.input.string(), d.levels()));
+    Band<float> band;
+    if (level == d.levels())
+        band.values = reconstruct(d);
+    else
+        band = approximations(d).levels[static_cast<std::size_t>(level)];
+
+    const auto outside = ((band.values < 0.0f) || (band.values > 1.0f)).count();
+    if (extension_of(options.output) == ".png" && outside > 0)
+        warn(
+            fmt::format("{}: {} of {} coefficients lie outside [0,1] and were clamped; .exr and "
+                        ".tif keep them",
+                        options.output.string(), outside, band.values.size()));
+    {
+        const HoldInterrupts hold;
+        if (auto ok = write_image(options.output, picture_of(band.values)); !ok) return ok;
+    }
+    const double cell = double(1 << (d.levels() - level));
+    print_facts({{"wrote", options.output.string()},
+                 {"level", level},
+                 {"size", {band.width(), band.height()}},
+                 {"start", {band.start_x, band.start_z}},
+                 {"cell", {cell * fog->cell_x(), cell * fog->cell_z()}},
+                 {"min", band.values.minCoeff()},
+                 {"max", band.values.maxCoeff()},
+                 {"bytes", file_bytes(options.output)}},
+                options.json);
+    return {};
+}
+
+}  // namespace
+
+Command add_decode(CLI::App& root) {
+    auto options = std::make_shared<DecodeOptions>();
+    CLI::App* app = root.add_subcommand("decode", "Turn a fog file back into a picture");
+    app->add_option("FOG", options->input, "A fog file")->required();
+    app->add_option("-o,--output", options->output, "The picture to write: .exr, .tif or .png")
+        ->required()
+        ->type_name("OUT");
+    add_parsed(
+        *app, "--level", options->level,
+        [](const std::string& text) { return parse_integer_in(text, 0, 30); }, "L",
+        "Which approximation: 0 the coarsest, the number of levels the map itself (the map)");
+    app->add_flag("--json", options->json, "Print what was written as JSON");
+    app->footer(
+        "Without --level the picture is the map that was converted, one pixel a coefficient, up "
+        "to\n"
+        "rounding. With --level it is the map after only the first L layers of detail were added,\n"
+        "which is what a renderer sees far away. A coarse map reaches past the edges of the fine\n"
+        "one by a few pixels: `start` says where its first pixel lies, in its own cells.\n"
+        ".exr and .tif hold floats; .png holds 16 bits of [0,1].\n"
+        "\n"
+        "Example: the coarsest map\n"
+        "  wavefog decode banks.exr -o coarse.tif --level 0");
+    return {app, [options] { return decode(*options); }};
+}
+
+}  // namespace wavefog::cli

@@ -1,0 +1,170 @@
+#include "frame.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "parallel.h"
+#include "wavefog/fogmap/reference.h"
+#include "wavefog/gpu/context.h"
+#include "wavefog/gpu/fog_pass.h"
+#include "wavefog/gpu/frame.h"
+
+namespace wavefog::cli {
+namespace {
+
+struct Target {
+    Texture texture;
+    Framebuffer framebuffer;
+};
+
+Result<Target> make_target(const Gl& gl, GLenum internal_format, GLenum format, int width,
+                           int height) {
+    Target target;
+    target.texture = make_texture_2d(gl, internal_format, width, height, format, GL_FLOAT, nullptr);
+    GLuint name = 0;
+    gl.GenFramebuffers(1, &name);
+    target.framebuffer = Framebuffer(gl, name);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, name);
+    gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D,
+                            target.texture.name(), 0);
+    if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+        return data_error(fmt::format(
+            "OpenGL: cannot draw into a {}x{} float texture; use a smaller --size", width, height));
+    return target;
+}
+
+Image transmittance_of(const Image& optical_depth) {
+    Image image = optical_depth;
+    for (float& value : image.pixels) value = std::exp(-value);
+    return image;
+}
+
+Image rgb_of(const Image& rgba) {
+    Image image{rgba.width, rgba.height, 3, {}};
+    image.pixels.reserve(rgba.pixels.size() / 4 * 3);
+    for (std::size_t i = 0; i < rgba.pixels.size(); i += 4)
+        image.pixels.insert(image.pixels.end(), &rgba.pixels[i], &rgba.pixels[i] + 3);
+    return image;
+}
+
+/// Colour and transmittance by the GPU fog pass.
+Result<void> draw_on_gpu(const Gl& gl, const Scene& scene, const FrameTarget& target,
+                         Frame& frame) {
+    std::vector<FogTextures> textures;
+    for (const Fog& fog : scene.fogs) {
+        Result<FogTextures> made = FogTextures::create(gl, fog);
+        if (!made) return tl::unexpected(made.error());
+        textures.push_back(*std::move(made));
+    }
+    std::vector<const FogTextures*> fogs;
+    fogs.reserve(textures.size());
+    for (const FogTextures& made : textures) fogs.push_back(&made);
+    Result<FogPass> pass = FogPass::create(gl, fogs, scene.method, scene.fog_colour);
+    if (!pass) return tl::unexpected(pass.error());
+
+    const int width = target.width, height = target.height;
+    const Result<Target> colour = make_target(gl, GL_RGBA32F, GL_RGBA, width, height);
+    if (!colour) return tl::unexpected(colour.error());
+    const Result<Target> depth = make_target(gl, GL_R32F, GL_RED, width, height);
+    if (!depth) return tl::unexpected(depth.error());
+    pass->draw_colour(target, scene.camera, colour->framebuffer.name());
+    pass->draw_optical_depth(target, scene.camera, depth->framebuffer.name());
+    frame.colour = rgb_of(read_texture(gl, colour->texture.name(), width, height, 4));
+    frame.transmittance =
+        transmittance_of(read_texture(gl, depth->texture.name(), width, height, 1));
+    return {};
+}
+
+/// Optical depth of all fogs along one pixel's ray; a sky pixel's ray runs to each fog's far end.
+double optical_depth(const std::vector<Reference>& fogs, const PixelRay& ray, double sky_limit,
+                     double mu) {
+    double sum = 0;
+    for (const Reference& fog : fogs) {
+        Eigen::Vector3d end = ray.end;
+        if (ray.sky) {
+            const Eigen::Vector3d direction = ray.end - ray.origin;
+            end = ray.origin + fog.far_end(ray.origin, direction, sky_limit) * direction;
+        }
+        sum += fog.optical_depth(ray.origin, end, mu);
+    }
+    return sum;
+}
+
+/// The same by the reference integrator, from the scene's colour and depth.
+void draw_on_cpu(const Gl& gl, const Scene& scene, const FrameTarget& target, Frame& frame) {
+    const int width = target.width, height = target.height;
+    const Image depth = read_texture(gl, target.depth.name(), width, height, 1, true);
+    frame.colour = rgb_of(read_texture(gl, target.colour.name(), width, height, 4));
+    frame.transmittance = {width, height, 1, std::vector<float>(depth.pixels.size())};
+    const std::vector<Reference> fogs(scene.fogs.begin(), scene.fogs.end());
+    const CameraMatrices matrices = camera_matrices(scene.camera, width, height);
+    // As far as the fog pass follows a ray that nothing ends: the far plane, or 1000 km.
+    const double sky_limit = std::isfinite(scene.camera.far_plane) ? scene.camera.far_plane : 1e6;
+    const auto draw_rows = [&](std::size_t begin, std::size_t end) {
+        for (int y = int(begin); y < int(end); ++y)
+            for (int x = 0; x < width; ++x) {
+                const PixelRay ray = pixel_ray(matrices, scene.camera, width, height, x, y,
+                                               double(depth.at(x, y, 0)));
+                const double tau = optical_depth(fogs, ray, sky_limit, scene.method.mu);
+                const double opacity = -std::expm1(-tau);
+                frame.transmittance.at(x, y, 0) = float(std::exp(-tau));
+                for (int c = 0; c < 3; ++c) {
+                    float& value = frame.colour.at(x, y, c);
+                    value += float(opacity * (scene.fog_colour[c] - double(value)));
+                }
+            }
+    };
+    parallel_chunks("integrating", std::size_t(height), 1, draw_rows);
+}
+
+}  // namespace
+
+Image box_average(const Image& image, int factor) {
+    Image small{image.width / factor, image.height / factor, image.channels, {}};
+    small.pixels.reserve(image.pixels.size() / std::size_t(factor * factor));
+    for (int y = 0; y < small.height; ++y)
+        for (int x = 0; x < small.width; ++x)
+            for (int c = 0; c < small.channels; ++c) {
+                double sum = 0;
+                for (int j = 0; j < factor; ++j)
+                    for (int i = 0; i < factor; ++i)
+                        sum += double(image.at(x * factor + i, y * factor + j, c));
+                small.pixels.push_back(float(sum / (factor * factor)));
+            }
+    return small;
+}
+
+Result<Frame> draw_frame(const Scene& scene, const std::string& context_name, int supersample) {
+    const Result<std::unique_ptr<Context>> context = create_context(context_name);
+    if (!context) return tl::unexpected(context.error());
+    const Gl& gl = (*context)->gl();
+    const int width = scene.width * supersample, height = scene.height * supersample;
+
+    const Result<SceneRenderer> renderer = SceneRenderer::create(gl, scene);
+    if (!renderer) return tl::unexpected(renderer.error());
+    const FrameTarget target = make_frame_target(gl, width, height);
+    if (!target.framebuffer)
+        return usage_error(
+            fmt::format("--size: this OpenGL cannot draw {}x{} pixels; use less, or "
+                        "less --supersample",
+                        width, height));
+    renderer->draw(target, scene.camera);
+
+    Frame frame;
+    frame.renderer = (*context)->renderer();
+    if (scene.method.kind == MethodKind::reference)
+        draw_on_cpu(gl, scene, target, frame);
+    else if (auto drawn = draw_on_gpu(gl, scene, target, frame); !drawn)
+        return tl::unexpected(drawn.error());
+    if (supersample > 1) {
+        frame.colour = box_average(frame.colour, supersample);
+        frame.transmittance = box_average(frame.transmittance, supersample);
+    }
+    return frame;
+}
+
+}  // namespace wavefog::cli

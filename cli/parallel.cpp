@@ -1,0 +1,64 @@
+#include "parallel.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <thread>
+#include <vector>
+
+namespace wavefog::cli {
+namespace {
+
+/// Keeps a percentage on a terminal's last line; silent when stderr goes to a file.
+class Progress {
+  public:
+    Progress(std::string label, std::size_t count)
+        : label_(std::move(label)), count_(count), visible_(isatty(STDERR_FILENO) == 1) {}
+    Progress(const Progress&) = delete;
+    Progress& operator=(const Progress&) = delete;
+    ~Progress() {
+        if (shown_) fmt::print(stderr, "\r\033[K");
+    }
+    void update(std::size_t done) {
+        const auto now = std::chrono::steady_clock::now();
+        if (!visible_ || now - last_ < std::chrono::milliseconds(100)) return;
+        last_ = now;
+        shown_ = true;
+        fmt::print(stderr, "\r{}  {} %", label_, 100 * done / count_);
+        std::fflush(stderr);
+    }
+
+  private:
+    std::string label_;
+    std::size_t count_;
+    bool visible_;
+    bool shown_ = false;
+    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+void parallel_chunks(const std::string& label, std::size_t count, std::size_t chunk,
+                     const std::function<void(std::size_t, std::size_t)>& body) {
+    Progress progress(label, count);
+    std::atomic<std::size_t> next = 0;
+    const auto work = [&](bool shows_progress) {
+        for (;;) {
+            const std::size_t begin = next.fetch_add(chunk);
+            if (begin >= count) return;
+            if (shows_progress) progress.update(begin);
+            body(begin, std::min(begin + chunk, count));
+        }
+    };
+    std::vector<std::jthread> helpers;
+    for (unsigned i = 1; i < std::thread::hardware_concurrency(); ++i)
+        helpers.emplace_back(work, false);
+    work(true);
+    helpers.clear();
+}
+
+}  // namespace wavefog::cli

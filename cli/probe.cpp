@@ -1,0 +1,133 @@
+// wavefog probe: optical depth and transmittance along rays given in a CSV file.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include "command.h"
+#include "files.h"
+#include "interrupt.h"
+#include "options.h"
+#include "parallel.h"
+#include "rays.h"
+#include "wavefog/fogmap/reference.h"
+#include "wavefog/fogmap/scene.h"
+#include "wavefog/gpu/fog_pass.h"
+
+namespace wavefog::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ProbeOptions {
+    fs::path input, rays, output;
+    Method method = {.kind = MethodKind::reference};
+    std::optional<double> mu;
+};
+
+/// A method's optical depth from O to P through one fog.
+using OpticalDepth = std::function<double(const Eigen::Vector3d&, const Eigen::Vector3d&)>;
+
+Result<OpticalDepth> evaluator(const Fog& fog, const Method& method) {
+    if (method.kind == MethodKind::reference) {
+        auto reference = std::make_shared<Reference>(fog);
+        return [reference, mu = method.mu](const auto& o, const auto& p) {
+            return reference->optical_depth(o, p, mu);
+        };
+    }
+    auto created = ShaderOnCpu::create(fog, method);
+    if (!created) return tl::unexpected(created.error());
+    auto shader = std::make_shared<ShaderOnCpu>(std::move(*created));
+    return [shader](const auto& o, const auto& p) { return shader->optical_depth(o, p); };
+}
+
+Result<RayTable> rays_of(const fs::path& file) {
+    if (file == "-") return read_rays(std::cin, "standard input");
+    if (auto ok = check_input(file); !ok) return tl::unexpected(ok.error());
+    std::ifstream stream(file, std::ios::binary);
+    return read_rays(stream, file.string());
+}
+
+void write_rows(std::ostream& out, const RayTable& table, const std::vector<double>& depths) {
+    if (!table.header.empty()) out << table.header << ",optical_depth,transmittance\n";
+    for (std::size_t i = 0; i < depths.size(); ++i)
+        out << fmt::format("{},{:.17g},{:.17g}\n", table.rays[i].text, depths[i],
+                           std::exp(-depths[i]));
+}
+
+Result<void> probe(const ProbeOptions& options) {
+    const bool to_stdout = options.output == "-";
+    if (auto ok = check_input(options.input); !ok) return ok;
+    if (!to_stdout)
+        if (auto ok = check_output(options.output, {options.input, options.rays}, {}); !ok)
+            return ok;
+    Method method = options.method;
+    method.mu = options.mu.value_or(method.mu);
+    const Result<std::vector<Fog>> fogs = load_fogs(options.input);
+    if (!fogs) return tl::unexpected(fogs.error());
+    const Result<RayTable> table = rays_of(options.rays);
+    if (!table) return tl::unexpected(table.error());
+
+    std::vector<double> depths(table->rays.size());
+    for (const Fog& fog : *fogs) {
+        const auto optical_depth = evaluator(fog, method);
+        if (!optical_depth) return tl::unexpected(optical_depth.error());
+        parallel_chunks("probing", depths.size(), 64, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i)
+                depths[i] += (*optical_depth)(table->rays[i].origin, table->rays[i].end);
+        });
+    }
+
+    if (to_stdout) {
+        write_rows(std::cout, *table, depths);
+        std::cout.flush();
+        if (!std::cout) return data_error("standard output: cannot be written; is the disk full?");
+        return {};
+    }
+    const HoldInterrupts hold;
+    Result<TextOutput> output = TextOutput::create(options.output);
+    if (!output) return tl::unexpected(output.error());
+    write_rows(output->stream(), *table, depths);
+    if (auto ok = output->commit(); !ok) return ok;
+    fmt::print("wrote {}: {} rays through {} fog{}, method {}, mu {}\n", options.output.string(),
+               depths.size(), fogs->size(), fogs->size() == 1 ? "" : "s", method.name(), method.mu);
+    return {};
+}
+
+}  // namespace
+
+Command add_probe(CLI::App& root) {
+    auto options = std::make_shared<ProbeOptions>();
+    CLI::App* app = root.add_subcommand("probe", "Measure the fog along rays");
+    app->add_option("FOG", options->input, "A fog file, a scene (.json) or a picture")->required();
+    app->add_option("--rays", options->rays, "CSV of rays, - for standard input")
+        ->required()
+        ->type_name("R.csv");
+    app->add_option("-o,--output", options->output, "CSV to write, - for standard output")
+        ->required()
+        ->type_name("OUT.csv");
+    add_parsed(*app, "--method", options->method, parse_method, "M",
+               "reference | exact | march:N | homogeneous (reference)");
+    add_parsed(
+        *app, "--mu", options->mu,
+        [](const std::string& text) { return parse_number_in(text, 0, 1); }, "MU",
+        "Detail level l counts up to |OP| * mu^l from O: 1 keeps all, 0 none (1)");
+    app->footer(
+        "Each row ox,oy,oz,px,py,pz is a segment from O to P in metres, y up; a header line is\n"
+        "optional. The same rows come out with two columns more: the optical depth, the integral\n"
+        "of extinction from O to P, and the transmittance exp(-optical depth), the share of light\n"
+        "that gets through. Several fogs add their optical depths. `reference` is exact in "
+        "double;\n"
+        "the other methods run the shader's own code on the CPU in float, so that their error can\n"
+        "be seen without a GPU.\n"
+        "\n"
+        "Example: how much light crosses 300 m of the fog?\n"
+        "  echo 0,2,0,300,2,0 | wavefog probe banks.exr --rays - -o -");
+    return {app, [options] { return probe(*options); }};
+}
+
+}  // namespace wavefog::cli

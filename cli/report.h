@@ -1,0 +1,25 @@
+// What a command tells its reader: one set of facts, as JSON or as text.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "wavefog/fogmap/fog.h"
+
+namespace wavefog::cli {
+
+using Facts = nlohmann::ordered_json;
+
+/// Prints `facts` (an object) on stdout: indented JSON, or one `key: value` line each, with arrays
+/// of objects as tables.
+void print_facts(const Facts& facts, bool as_json);
+
+/// "wavefog: warning: ..." on stderr.
+void warn(const std::string& message);
+
+/// Basis, family, levels, rectangle, extinction and profile of a fog, in the words of the flags.
+Facts fog_facts(const Fog& fog);
+
+}  // namespace wavefog::cli

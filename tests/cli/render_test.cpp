@@ -1,0 +1,140 @@
+// wavefog render, end to end on OSMesa.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <tuple>
+
+#include "run.h"
+
+using namespace wavefog::test;
+using nlohmann::json;
+
+namespace {
+
+/// A camera 2 m above a hill, and fog from a ramp of 32x32 pixels over 64 m.
+void write_scene(const Workspace& work, const std::string& method = R"({"name": "exact"})") {
+    work.write_ramp_png("map.png", 32, 32);
+    work.write_ramp_png("hill.png", 16, 16);
+    work.write_text("scene.json", R"({
+        "size": [48, 32],
+        "camera": {"eye": [0, 12, 30], "target": [0, 4, 0], "near": 0.1, "far": 400},
+        "terrain": {"heightmap": "hill.png", "rect": [-40, -40, 40, 40], "height": [0, 6]},
+        "fog_colour": [0.5, 0.6, 0.7],
+        "fog": [{"model": "wavelet", "image": "map.png", "rect": [-32, -32, 32, 32],
+                 "extinction": 0.08, "height": {"profile": "exponential", "base": 0, "scale": 8}}],
+        "method": )" + method + "}");
+}
+
+Picture transmittance(const Workspace& work, std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"render", "scene.json", "-o", "out.exr"});
+    arguments.insert(arguments.end(), {"--transmittance", "T.exr"});
+    const RunResult result = work.run(arguments);
+    REQUIRE_MESSAGE(result.status == 0, result.err);
+    return read_picture(work.path("T.exr"));
+}
+
+}  // namespace
+
+TEST_CASE("render writes a picture of the scene's size, or of the size asked for") {
+    const Workspace work;
+    write_scene(work);
+    const RunResult result = work.run({"render", "scene.json", "-o", "out.png", "--json"});
+    REQUIRE_MESSAGE(result.status == 0, result.err);
+    const json facts = json::parse(result.out);
+    CHECK(facts["method"] == "exact");
+    CHECK(facts["mu"] == 1);
+    CHECK(facts["context"] == "osmesa");
+    const Picture picture = read_picture(work.path("out.png"));
+    CHECK(std::tuple(picture.width, picture.height, picture.channels) == std::tuple(48, 32, 3));
+    REQUIRE(work.run({"render", "scene.json", "-o", "small.png", "--size", "17x9"}).status == 0);
+    CHECK(read_picture(work.path("small.png")).width == 17);
+    CHECK(read_picture(work.path("small.png")).height == 9);
+}
+
+TEST_CASE("render: exact gives the reference's transmittance and colours, also at mu < 1") {
+    const Workspace work;
+    write_scene(work);
+    for (const char* mu : {"1", "0.5", "0"}) {
+        CAPTURE(std::string(mu));
+        const Picture exact = transmittance(work, {"--mu", mu});
+        const Picture exact_colour = read_picture(work.path("out.exr"));
+        const Picture truth = transmittance(work, {"--mu", mu, "--method", "reference"});
+        CHECK(exact.channels == 1);
+        CHECK(largest_difference(exact, truth) <= 2e-6);
+        CHECK(largest_difference(exact_colour, read_picture(work.path("out.exr"))) <= 4e-6);
+    }
+}
+
+TEST_CASE("render: the method and mu come from the scene unless the flags say otherwise") {
+    const Workspace work;
+    write_scene(work, R"({"name": "march:8", "mu": 0.25})");
+    const auto facts = [&](std::vector<std::string> more) {
+        more.insert(more.begin(), {"render", "scene.json", "-o", "out.png", "--json"});
+        const RunResult result = work.run(more);
+        REQUIRE_MESSAGE(result.status == 0, result.err);
+        return json::parse(result.out);
+    };
+    CHECK(facts({})["method"] == "march:8");
+    CHECK(facts({})["mu"] == 0.25);
+    CHECK(facts({"--method", "homogeneous"})["method"] == "homogeneous");
+    CHECK(facts({"--method", "exact"})["mu"] == 0.25);
+    CHECK(facts({"--mu", "0.75"})["mu"] == 0.75);
+}
+
+TEST_CASE("render --fog replaces the fogs of the scene") {
+    const Workspace work;
+    write_scene(work);
+    REQUIRE(work.run({"convert", "map.png", "-o", "same.exr", "--rect", "-32,-32,32,32",
+                      "--extinction", "0.08", "--profile", "exponential:0,8"})
+                .status == 0);
+    const Picture own = transmittance(work, {});
+    CHECK(largest_difference(own, transmittance(work, {"--fog", "same.exr"})) <= 1e-6);
+    // Twice the fog squares the transmittance.
+    const Picture twice = transmittance(work, {"--fog", "same.exr", "--fog", "same.exr"});
+    double largest = 0;
+    for (std::size_t i = 0; i < own.pixels.size(); ++i)
+        largest = std::max(largest,
+                           std::abs(double(twice.pixels[i]) - std::pow(double(own.pixels[i]), 2)));
+    CHECK(largest <= 4e-6);
+}
+
+TEST_CASE("render --supersample averages colours and transmittances of the larger picture") {
+    const Workspace work;
+    write_scene(work);
+    const Picture large = transmittance(work, {"--size", "96x64"});
+    const Picture large_colour = read_picture(work.path("out.exr"));
+    const Picture small = transmittance(work, {"--supersample", "2"});
+    const Picture small_colour = read_picture(work.path("out.exr"));
+    REQUIRE(small.width == 48);
+    REQUIRE(small.height == 32);
+    const auto check = [](const Picture& fine, const Picture& coarse) {
+        double largest = 0;
+        for (int y = 0; y < coarse.height; ++y)
+            for (int x = 0; x < coarse.width; ++x)
+                for (int c = 0; c < coarse.channels; ++c) {
+                    double mean = 0;
+                    for (int k = 0; k < 4; ++k)
+                        mean += double(fine.at(2 * x + k % 2, 2 * y + k / 2, c)) / 4;
+                    largest = std::max(largest, std::abs(mean - double(coarse.at(x, y, c))));
+                }
+        CHECK(largest <= 1e-6);
+    };
+    check(large, small);
+    check(large_colour, small_colour);
+}
+
+TEST_CASE("render writes .png as the sRGB of .exr") {
+    const Workspace work;
+    write_scene(work);
+    REQUIRE(work.run({"render", "scene.json", "-o", "a.exr"}).status == 0);
+    REQUIRE(work.run({"render", "scene.json", "-o", "a.png"}).status == 0);
+    const Picture linear = read_picture(work.path("a.exr")), png = read_picture(work.path("a.png"));
+    double largest = 0;
+    for (std::size_t i = 0; i < linear.pixels.size(); ++i) {
+        const double v = std::clamp(double(linear.pixels[i]), 0.0, 1.0);
+        const double srgb = v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055;
+        largest = std::max(largest, std::abs(srgb - double(png.pixels[i])));
+    }
+    CHECK(largest <= 1.01 / 255);  // rounding, and dither of half a step each way
+}
