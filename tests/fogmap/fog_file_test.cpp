@@ -109,7 +109,7 @@ TEST_CASE("odd sizes, other families and wild ranges come back bit for bit") {
     map(3, 3) = 1e30f;
     map(12, 12) = 1e-38f;
     for (const float factor : {1.0f, 1e-30f, 1024.0f}) {
-        const Fog fog = fog_of(factor * map.min(1e30f / factor), {.degree = 0, .levels = 2});
+        const Fog fog = fog_of(factor * map.min(1e30f / factor), {.degree = 0, .levels = 0});
         REQUIRE(save_fog(dir / "wild.exr", fog).has_value());
         const auto back = load_fog(dir / "wild.exr");
         REQUIRE(back.has_value());
