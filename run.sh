@@ -44,9 +44,12 @@ demo() {
     build --target wavefog
     mkdir -p out
     local wavefog=build/release/cli/wavefog
-    "$wavefog" convert data/fogmaps/banks.png -o out/banks.exr \
-        --rect -200,-200,200,200 --extinction 0.05 --profile exponential:0,8
-    "$wavefog" render data/scenes/valley.json --fog out/banks.exr -o out/valley.png
+    "$wavefog" convert data/weather_coverage_512.png -o out/banks.exr \
+        --rect -4200,-4200,4200,4200 --extinction 0.05 --profile exponential:111,17
+    "$wavefog" convert data/weather_smooth_512.png -o out/haze.exr --basis quadratic \
+        --rect -9000,-9000,9000,9000 --extinction 0.00045 --profile exponential:120,110
+    "$wavefog" render data/scenes/valley.json --fog out/banks.exr --fog out/haze.exr \
+        -o out/valley.png
     echo "run.sh: the picture is $PWD/out/valley.png"
 }
 

@@ -35,14 +35,14 @@ int run(int argc, char** argv) {
         "step.\n"
         "\n"
         "Example, from a picture to a fogged frame:\n"
-        "  wavefog convert data/fogmaps/banks.png -o banks.exr --rect -200,-200,200,200 \\\n"
-        "                  --extinction 0.05 --profile exponential:0,8\n"
+        "  wavefog convert data/weather_coverage_512.png -o banks.exr --extinction 0.05 \\\n"
+        "                  --rect -4200,-4200,4200,4200 --profile exponential:111,17\n"
         "  wavefog info banks.exr\n"
-        "  wavefog render data/scenes/valley.json -o valley.png\n"
+        "  wavefog render data/scenes/valley.json --fog banks.exr -o valley.png\n"
         "\n"
         "Exit status: 0 done, 1 a file or its content is at fault, 2 the command line is.");
-    const std::array commands = {add_convert(root), add_info(root), add_decode(root),
-                                 add_probe(root), add_render(root), add_bench(root)};
+    const std::array commands = {add_convert(root), add_info(root),   add_decode(root),
+                                 add_probe(root),   add_render(root), add_bench(root)};
     try {
         root.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
