@@ -11,6 +11,7 @@ packages=(
     libeigen3-dev libexpected-dev libfmt-dev nlohmann-json3-dev libcli11-dev
     libopenimageio-dev openimageio-tools libopenexr-dev
     libglm-dev libgl-dev libosmesa6-dev libegl-dev libassimp-dev
+    libmd-dev gnuplot-nox
     doctest-dev libtinyexr-dev libbenchmark-dev
 )
 

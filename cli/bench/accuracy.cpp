@@ -1,0 +1,155 @@
+#include "bench/accuracy.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "parallel.h"
+#include "wavefog/fogmap/reference.h"
+#include "wavefog/gpu/fog_pass.h"
+
+namespace wavefog::cli {
+namespace {
+
+constexpr double kLeastSquareError = 1e-20;  // 200 dB
+
+/// As far as the fog pass follows a sky ray that nothing else ends.
+double sky_limit(const Camera& camera) {
+    return std::isfinite(camera.far_plane) ? camera.far_plane : 1e6;
+}
+
+double luma(const std::array<double, 3>& rgb) {
+    return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+}
+
+constexpr int kWindow = 11;
+
+std::array<double, kWindow> gaussian_window() {
+    std::array<double, kWindow> weights{};
+    double sum = 0;
+    for (int i = 0; i < kWindow; ++i) {
+        const double x = (i - kWindow / 2) / 1.5;
+        sum += weights[std::size_t(i)] = std::exp(-x * x / 2);
+    }
+    for (double& weight : weights) weight /= sum;
+    return weights;
+}
+
+/// Windowed means at every place where the window fits.
+std::vector<double> windowed(int width, int height, const std::vector<double>& image) {
+    static const auto weights = gaussian_window();
+    const int columns = width - kWindow + 1, rows = height - kWindow + 1;
+    std::vector<double> across(std::size_t(columns) * std::size_t(height));
+    std::vector<double> result(std::size_t(columns) * std::size_t(rows), 0.0);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < columns; ++x) {
+            double sum = 0;
+            for (int k = 0; k < kWindow; ++k)
+                sum += weights[std::size_t(k)] * image[std::size_t(y * width + x + k)];
+            across[std::size_t(y * columns + x)] = sum;
+        }
+    for (int y = 0; y < rows; ++y)
+        for (int k = 0; k < kWindow; ++k)
+            for (int x = 0; x < columns; ++x)
+                result[std::size_t(y * columns + x)] +=
+                    weights[std::size_t(k)] * across[std::size_t((y + k) * columns + x)];
+    return result;
+}
+
+std::vector<double> product(const std::vector<double>& a, const std::vector<double>& b) {
+    std::vector<double> result(a.size());
+    std::transform(a.begin(), a.end(), b.begin(), result.begin(), std::multiplies<>());
+    return result;
+}
+
+}  // namespace
+
+double srgb_from_linear(double value) {
+    const double v = std::clamp(value, 0.0, 1.0);
+    return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055;
+}
+
+double ssim(int width, int height, const std::vector<double>& a, const std::vector<double>& b) {
+    if (width < kWindow || height < kWindow) return 1;
+    constexpr double c1 = 0.01 * 0.01, c2 = 0.03 * 0.03;
+    const auto mean_a = windowed(width, height, a), mean_b = windowed(width, height, b);
+    const auto aa = windowed(width, height, product(a, a));
+    const auto bb = windowed(width, height, product(b, b));
+    const auto ab = windowed(width, height, product(a, b));
+    double sum = 0;
+    for (std::size_t i = 0; i < aa.size(); ++i) {
+        const double variances = aa[i] - mean_a[i] * mean_a[i] + bb[i] - mean_b[i] * mean_b[i];
+        const double covariance = ab[i] - mean_a[i] * mean_b[i];
+        sum += (2 * mean_a[i] * mean_b[i] + c1) * (2 * covariance + c2) /
+               ((mean_a[i] * mean_a[i] + mean_b[i] * mean_b[i] + c1) * (variances + c2));
+    }
+    return sum / double(aa.size());
+}
+
+Truth compute_truth(const std::vector<Fog>& fogs, const Camera& camera, const Image& depth) {
+    Truth truth{depth.width, depth.height, std::vector<double>(depth.pixels.size(), 0.0)};
+    const std::vector<Reference> references(fogs.begin(), fogs.end());
+    const CameraMatrices matrices = camera_matrices(camera, truth.width, truth.height);
+    const double limit = sky_limit(camera);
+    const auto integrate_rows = [&](std::size_t begin, std::size_t end) {
+        for (int y = int(begin); y < int(end); ++y)
+            for (int x = 0; x < truth.width; ++x) {
+                const PixelRay ray = pixel_ray(matrices, camera, truth.width, truth.height, x, y,
+                                               double(depth.at(x, y, 0)));
+                double& sum = truth.tau[std::size_t(y * truth.width + x)];
+                for (const Reference& reference : references) {
+                    Eigen::Vector3d end_point = ray.end;
+                    if (ray.sky) {
+                        const Eigen::Vector3d along = ray.end - ray.origin;
+                        end_point =
+                            ray.origin + reference.far_end(ray.origin, along, limit) * along;
+                    }
+                    sum += reference.optical_depth(ray.origin, end_point);
+                }
+            }
+    };
+    parallel_chunks("integrating the truth", std::size_t(truth.height), 4, integrate_rows);
+    return truth;
+}
+
+Accuracy measure_accuracy(const Truth& truth, const Image& tau, const Image& colour,
+                          const Image& scene, const Eigen::Vector3d& fog_colour) {
+    const std::size_t count = truth.tau.size();
+    std::vector<double> dT(count), luma_true(count), luma_drawn(count);
+    double square_tau = 0, square_colour = 0;
+    std::size_t translucent = 0;
+    for (int y = 0; y < truth.height; ++y)
+        for (int x = 0; x < truth.width; ++x) {
+            const std::size_t i = std::size_t(y * truth.width + x);
+            const double true_tau = truth.tau[i], drawn_tau = double(tau.at(x, y, 0));
+            dT[i] = std::abs(std::exp(-true_tau) - std::exp(-drawn_tau));
+            if (true_tau <= kOpaque) {
+                square_tau += (drawn_tau - true_tau) * (drawn_tau - true_tau);
+                ++translucent;
+            }
+            const double opacity = -std::expm1(-true_tau);
+            std::array<double, 3> truly{}, drawn{};
+            for (int c = 0; c < 3; ++c) {
+                const double linear = double(scene.at(x, y, c));
+                truly[std::size_t(c)] =
+                    srgb_from_linear(linear + opacity * (fog_colour[c] - linear));
+                drawn[std::size_t(c)] = srgb_from_linear(double(colour.at(x, y, c)));
+                const double difference = truly[std::size_t(c)] - drawn[std::size_t(c)];
+                square_colour += difference * difference;
+            }
+            luma_true[i] = luma(truly);
+            luma_drawn[i] = luma(drawn);
+        }
+    Accuracy accuracy;
+    accuracy.ssim = ssim(truth.width, truth.height, luma_true, luma_drawn);
+    accuracy.rmse_tau = translucent == 0 ? 0 : std::sqrt(square_tau / double(translucent));
+    const double mean_square = square_colour / double(3 * count);
+    accuracy.psnr = -10 * std::log10(std::max(mean_square, kLeastSquareError));
+    accuracy.max_dT = *std::max_element(dT.begin(), dT.end());
+    const auto p99 = dT.begin() + std::ptrdiff_t(double(count - 1) * 0.99);
+    std::nth_element(dT.begin(), p99, dT.end());
+    accuracy.p99_dT = *p99;
+    return accuracy;
+}
+
+}  // namespace wavefog::cli

@@ -1,0 +1,44 @@
+// How far a picture is from the truth.
+#pragma once
+
+#include <vector>
+
+#include "wavefog/fogmap/image.h"
+#include "wavefog/fogmap/scene.h"
+
+namespace wavefog::cli {
+
+/// Optical depth of every pixel by the reference integrator at mu = 1, row 0 at the top.
+struct Truth {
+    int width = 0, height = 0;
+    std::vector<double> tau;
+};
+
+/// From the depth buffer that the fog passes read, on all cores. `fogs` as undecomposed() makes
+/// them: the finest map itself.
+Truth compute_truth(const std::vector<Fog>& fogs, const Camera& camera, const Image& depth);
+
+struct Accuracy {
+    double max_dT = 0, p99_dT = 0;  ///< of |T - T_true| over the pixels
+    double rmse_tau = 0;            ///< over pixels with a true optical depth up to kOpaque
+    double psnr = 0;  ///< dB, of the sRGB picture in [0,1], three channels; 200 if equal
+    double ssim = 0;
+};
+
+/// Beyond this optical depth T < 4e-7: methods may stop there, and by design do.
+inline constexpr double kOpaque = 14.6;
+
+/// `tau` is a method's optical depth (channel 0), `colour` its picture, `scene` the picture without
+/// fog (linear, at least three channels each).
+Accuracy measure_accuracy(const Truth& truth, const Image& tau, const Image& colour,
+                          const Image& scene, const Eigen::Vector3d& fog_colour);
+
+/// sRGB's curve for a linear value, clipped to [0,1].
+double srgb_from_linear(double value);
+
+/// Mean structural similarity of two pictures in [0,1] (Wang et al. 2004): Gaussian window of 11x11
+/// pixels with sigma 1.5, K1 = 0.01, K2 = 0.03, windows wholly inside the picture. 1 for pictures
+/// smaller than a window.
+double ssim(int width, int height, const std::vector<double>& a, const std::vector<double>& b);
+
+}  // namespace wavefog::cli

@@ -1,0 +1,162 @@
+// wavefog bench: methods against each other, in time, error and memory.
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "bench/charts.h"
+#include "bench/gnuplot.h"
+#include "bench/measure.h"
+#include "bench/output.h"
+#include "bench/plan.h"
+#include "bench/provenance.h"
+#include "bench/readme.h"
+#include "bench/stability.h"
+#include "command.h"
+#include "files.h"
+
+namespace wavefog::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct BenchOptions {
+    std::vector<fs::path> scenes;
+    fs::path output, from, readme;
+    PlanOptions plan;
+    MeasureOptions measure;
+    std::string context = "osmesa";
+    bool json = false;
+};
+
+Result<void> check_usage(const BenchOptions& options) {
+    const bool stored = !options.from.empty() || !options.readme.empty();
+    if (stored && !options.scenes.empty())
+        return usage_error("bench: --from and --readme take stored results; leave the scenes out");
+    if (!options.from.empty() && !options.readme.empty())
+        return usage_error("bench: --readme finds its result files itself; leave --from out");
+    const bool needs_scene = !stored && options.plan.preset != Preset::stability;
+    if (needs_scene && options.scenes.empty())
+        return usage_error("bench: name a scene file, e.g. data/scenes/bench64.json");
+    return {};
+}
+
+/// Warns of what is missing in the results, and of nothing else.
+void tell_omissions(const Results& results) {
+    for (const std::string& text : results.cut) warn("left out: " + text);
+    if (!results.skipped.empty())
+        warn(fmt::format("{} cases could not be measured, the first: {}", results.skipped.size(),
+                         results.skipped.front()));
+}
+
+Result<Results> measure(const BenchOptions& options) {
+    std::vector<BenchScene> scenes;
+    std::vector<fs::path> files;
+    for (const fs::path& file : options.scenes) {
+        if (auto ok = check_input(file); !ok) return tl::unexpected(ok.error());
+        Result<BenchScene> scene = load_bench_scene(file);
+        if (!scene) return tl::unexpected(scene.error());
+        scenes.push_back(*std::move(scene));
+        for (fs::path& named : files_of_scene(file)) files.push_back(std::move(named));
+    }
+    Results results;
+    const Result<std::unique_ptr<Context>> context = create_context(options.context);
+    if (!context) return tl::unexpected(context.error());
+    if (options.plan.preset == Preset::stability) {
+        if (auto ok = study_stability(**context, results); !ok) return tl::unexpected(ok.error());
+    } else {
+        const Result<std::vector<Group>> groups = plan(scenes, options.plan, results.cut);
+        if (!groups) return tl::unexpected(groups.error());
+        Measurement measurement(**context, scenes, options.measure);
+        if (auto ok = measurement.run(*groups, results); !ok) return tl::unexpected(ok.error());
+    }
+    results.provenance =
+        provenance(**context, preset_names[std::size_t(options.plan.preset)], files);
+    return results;
+}
+
+Result<void> run_readme(const fs::path& file) {
+    if (auto ok = check_input(file); !ok) return ok;
+    const Result<std::string> filled = fill_readme(read_text(file), file.parent_path());
+    if (!filled)
+        return tl::unexpected(
+            Error{filled.error().kind, file.string() + ": " + filled.error().message});
+    return write_text(file, *filled);
+}
+
+Result<void> bench(BenchOptions& options) {
+    if (auto ok = check_usage(options); !ok) return ok;
+    if (!options.readme.empty()) return run_readme(options.readme);
+    if (!options.output.empty())
+        if (auto ok = check_output_directory(options.output); !ok) return ok;
+    if (!options.measure.seconds && preset_seconds(options.plan.preset) > 0)
+        options.measure.seconds = preset_seconds(options.plan.preset);
+
+    const Result<Results> results =
+        options.from.empty() ? measure(options) : read_results(options.from);
+    if (!results) return tl::unexpected(results.error());
+    tell_omissions(*results);
+    if (options.json)
+        fmt::print("{}\n", to_json(*results).dump(2));
+    else
+        fmt::print("{}", report_text(*results, false));
+    if (options.output.empty()) return {};
+    return write_results(*results, figures_of(*results), options.output);
+}
+
+}  // namespace
+
+Command add_bench(CLI::App& root) {
+    auto options = std::make_shared<BenchOptions>();
+    CLI::App* app =
+        root.add_subcommand("bench", "Measure methods against each other: time, error, memory");
+    app->add_option("SCENE", options->scenes, "Scene files (.json)");
+    app->add_option(
+           "-o,--output", options->output,
+           "Folder for results.json, results.csv and charts (.svg, .png); none: print only")
+        ->type_name("DIR");
+    add_choice(*app, "--preset", options->plan.preset, preset_names, "What to measure (none)");
+    add_parsed(*app, "--methods", options->plan.methods, parse_methods, "M,M,...",
+               "Methods (the preset's, or exact,march:32,march:256); homogeneous is always there");
+    add_parsed(*app, "--mu", options->plan.mus, parse_mus, "MU,MU,...",
+               "Each method that has a mu is measured at all of these (1)");
+    add_parsed(*app, "--levels", options->plan.levels, parse_level_list, "N,N,...",
+               "Decompose the scenes' fogs into each of these numbers of levels (the scenes')");
+    add_parsed(*app, "--size", options->plan.size, parse_size, "WxH",
+               "Pixels (the scene's; paper-tables: 800x600)");
+    add_parsed(
+        *app, "--frames", options->measure.frames,
+        [](const std::string& text) { return parse_integer_in(text, 1, 10000); }, "N",
+        "Timed frames of each method (40, fewer where a frame is slow)");
+    add_parsed(
+        *app, "--budget", options->measure.seconds,
+        [](const std::string& text) { return parse_number_in(text, 1, 1e6); }, "SECONDS",
+        "Take about this long and tell what was left out (chart and paper-tables: 780)");
+    app->add_option("--context", options->context,
+                    "OpenGL by osmesa (no display, no GPU) or egl (a GPU without a display) "
+                    "(osmesa)")
+        ->type_name("osmesa|egl");
+    app->add_option("--from", options->from, "Print and draw stored results instead of measuring")
+        ->type_name("results.json");
+    app->add_option("--readme", options->readme,
+                    "Fill what stands between <!-- bench FILE --> and <!-- /bench --> with the "
+                    "tables of that results file")
+        ->type_name("README.md");
+    app->add_flag("--json", options->json, "Print the results as JSON");
+    app->footer(
+        "All methods of a scene take turns frame by frame, beside `homogeneous`, the least that a\n"
+        "fog pass costs; times are of the fog pass alone, as medians with the 5th and 95th\n"
+        "percentile. Errors are against the reference integrator in double, in every pixel, with\n"
+        "all details (mu = 1): |T - T_true|, optical depth, and PSNR and SSIM (11x11 Gaussian,\n"
+        "sigma 1.5) of the sRGB picture.\n"
+        "Presets: speed (few methods, one table), chart (every method over its knob: cost against\n"
+        "error), paper-tables (tables 1 to 3 of paper 004 beside ours; the first scene with its "
+        "map\n"
+        "averaged to 16x16, 32x32 and 64x64), stability (where methods fail; needs no scene).\n"
+        "Charts need gnuplot.\n"
+        "\n"
+        "Example:\n"
+        "  wavefog bench data/scenes/bench64.json --preset speed -o out/speed");
+    return {app, [options] { return bench(*options); }};
+}
+
+}  // namespace wavefog::cli

@@ -1,0 +1,350 @@
+#include "bench/measure.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "bench/progress.h"
+#include "bench/provenance.h"
+#include "wavefog/gpu/fog_pass.h"
+#include "wavefog/gpu/frame.h"
+#include "wavefog/gpu/timer.h"
+
+namespace wavefog::cli {
+namespace {
+
+constexpr int kLeastFrames = 5;     // of a slow case, if the time allows
+constexpr double kCaseSeconds = 8;  // for a slow case, if nothing else bounds it
+// Besides the timed frames a case costs a warm-up frame, and one each for T and the picture.
+constexpr int kOtherFrames = 3;
+
+struct Output {
+    Texture texture;
+    Framebuffer framebuffer;
+};
+
+Result<Output> make_output(const Gl& gl, GLenum internal_format, const Size& size) {
+    Output output;
+    output.texture =
+        make_texture_2d(gl, internal_format, size.width, size.height, GL_RGBA, GL_FLOAT, nullptr);
+    Result<Framebuffer> framebuffer = make_framebuffer(gl, output.texture.name());
+    if (!framebuffer) return tl::unexpected(framebuffer.error());
+    output.framebuffer = *std::move(framebuffer);
+    return output;
+}
+
+std::string label(const Row& row) {
+    return fmt::format("{} {}x{} {}, {} levels, {}, mu {}", row.scene, row.map_width,
+                       row.map_height, row.basis, row.levels, row.method, row.mu);
+}
+
+std::size_t bytes_of(const std::vector<FogTextures>& textures) {
+    std::size_t bytes = 0;
+    for (const FogTextures& made : textures) bytes += made.bytes();
+    return bytes;
+}
+
+}  // namespace
+
+Method homogeneous_method() {
+    Method method;
+    method.kind = MethodKind::homogeneous;
+    return method;
+}
+
+/// A scene drawn once: colour and depth that every method reads, and targets to draw into.
+struct Measurement::Stage {
+    Size size, pilot_size;
+    FrameTarget frame, pilot;     ///< pilot: 1/16 of the pixels, to see what a frame will cost
+    Output fogged, pilot_fogged;  ///< RGBA16F, what is timed
+    Output fine;                  ///< RGBA32F, what accuracy is measured on
+    Image scene_colour, depth;
+
+    static Result<Stage> create(const Gl& gl, const Scene& scene, const Size& size) {
+        Stage stage;
+        stage.size = size;
+        stage.pilot_size = {std::max(size.width / 4, 1), std::max(size.height / 4, 1)};
+        const Result<SceneRenderer> renderer = SceneRenderer::create(gl, scene);
+        if (!renderer) return tl::unexpected(renderer.error());
+        for (auto [target, target_size] :
+             {std::pair{&stage.frame, &stage.size}, {&stage.pilot, &stage.pilot_size}}) {
+            *target = make_frame_target(gl, target_size->width, target_size->height);
+            if (!target->framebuffer)
+                return usage_error(fmt::format("--size: this OpenGL cannot draw {}x{}; use less",
+                                               size.width, size.height));
+            renderer->draw(*target, scene.camera);
+        }
+        stage.scene_colour =
+            read_texture(gl, stage.frame.colour.name(), size.width, size.height, 4);
+        stage.depth = read_texture(gl, stage.frame.depth.name(), size.width, size.height, 1, true);
+        for (auto [output, format, output_size] :
+             {std::tuple{&stage.fogged, GLenum{GL_RGBA16F}, &stage.size},
+              {&stage.pilot_fogged, GLenum{GL_RGBA16F}, &stage.pilot_size},
+              {&stage.fine, GLenum{GL_RGBA32F}, &stage.size}}) {
+            Result<Output> made = make_output(gl, format, *output_size);
+            if (!made) return tl::unexpected(made.error());
+            *output = *std::move(made);
+        }
+        return stage;
+    }
+};
+
+struct Measurement::Contender {
+    std::size_t variant = 0;
+    FogPass pass;
+    Row row;
+    double estimate = 0;  ///< seconds of a frame
+    int frames = 0;       ///< planned
+    Samples gpu_ms, wall_ms;
+};
+
+Measurement::Measurement(Context& context, const std::vector<BenchScene>& scenes,
+                         const MeasureOptions& options)
+    : context_(context),
+      scenes_(scenes),
+      options_(options),
+      start_(std::chrono::steady_clock::now()) {}
+
+double Measurement::remaining_seconds() const {
+    const std::chrono::duration<double> used = std::chrono::steady_clock::now() - start_;
+    return options_.seconds.value_or(1e9) - used.count();
+}
+
+void Measurement::show_progress(const std::string& doing) const {
+    const std::chrono::duration<double> used = std::chrono::steady_clock::now() - start_;
+    show_progress_line(done_, used.count(), doing);
+}
+
+Result<const Truth*> Measurement::truth(const Group& group, const Variant& variant,
+                                        const Stage& stage) {
+    const std::string key = fmt::format("{}:{}x{}:{}", group.scene, group.size.width,
+                                        group.size.height, variant.truth_key);
+    if (const auto found = truths_.find(key); found != truths_.end()) return &found->second;
+    const Result<std::vector<Fog>> fogs = undecomposed(variant.fogs);
+    if (!fogs) return tl::unexpected(fogs.error());
+    const Camera& camera = scenes_[group.scene].scene.camera;
+    return &truths_.emplace(key, compute_truth(*fogs, camera, stage.depth)).first->second;
+}
+
+Result<void> Measurement::run(const std::vector<Group>& groups, Results& results) {
+    for (std::size_t i = 0; i < groups.size(); ++i) {
+        group_share_ = 1 / double(groups.size());
+        done_ = double(i) * group_share_;
+        show_progress(groups[i].name);
+        const double left = remaining_seconds();
+        if (left <= 0) {
+            results.cut.push_back(fmt::format("{}: all of it, the time was up", groups[i].name));
+            continue;
+        }
+        if (auto ok = run_group(groups[i], left / double(groups.size() - i), results); !ok) {
+            clear_progress_line();
+            return ok;
+        }
+    }
+    clear_progress_line();
+    return {};
+}
+
+Result<void> Measurement::run_group(const Group& group, double seconds, Results& results) {
+    const auto begin = std::chrono::steady_clock::now();
+    const auto seconds_left = [&] {
+        const std::chrono::duration<double> used = std::chrono::steady_clock::now() - begin;
+        return seconds - used.count();
+    };
+    const Scene& scene = scenes_[group.scene].scene;
+    Result<Stage> stage = Stage::create(context_.gl(), scene, group.size);
+    if (!stage) return tl::unexpected(stage.error());
+
+    // Truths come first: they do not disturb the timing.
+    std::vector<const Truth*> truths;
+    for (const Variant& variant : group.variants) {
+        const Result<const Truth*> made = truth(group, variant, *stage);
+        if (!made) return tl::unexpected(made.error());
+        truths.push_back(*made);
+    }
+
+    VariantTextures textures(group.variants.size());
+    std::vector<Contender> contenders;
+    const auto enter = [&](std::size_t variant, const Method& method) {
+        Row row = empty_row(group, variant, method);
+        Result<FogPass> pass = make_pass(group, variant, method, textures[variant]);
+        if (!pass) {
+            results.skipped.push_back(label(row) + ": " + pass.error().message);
+            return;
+        }
+        row.bytes = method.kind == MethodKind::homogeneous ? 0 : bytes_of(textures[variant]);
+        contenders.push_back({variant, *std::move(pass), std::move(row), 0, 0, {}, {}});
+    };
+    enter(0, homogeneous_method());
+    for (const Case& one : group.cases)
+        if (one.method.kind != MethodKind::homogeneous) enter(one.variant, one.method);
+
+    estimate(contenders, *stage, scene.camera);
+    plan_frames(group, contenders, seconds_left(), results);
+    take_turns(group, contenders, *stage, seconds_left());
+    std::optional<double> homogeneous_ms;
+    for (Contender& contender : contenders) {
+        if (contender.wall_ms.size() > 0) {
+            show_progress(label(contender.row));
+            fill_times(contender, homogeneous_ms);
+            fill_accuracy(contender, *truths[contender.variant], *stage, scene);
+        }
+        results.rows.push_back(std::move(contender.row));
+    }
+    return {};
+}
+
+Row Measurement::empty_row(const Group& group, std::size_t index, const Method& method) const {
+    const Variant& variant = group.variants[index];
+    Row row;
+    row.scene = scenes_[group.scene].name;
+    row.map = variant.map;
+    row.map_width = variant.map_width;
+    row.map_height = variant.map_height;
+    row.basis = variant.basis;
+    row.family = variant.family;
+    row.levels = variant.levels;
+    row.mu = method.mu;
+    row.method = method.name();
+    row.width = group.size.width;
+    row.height = group.size.height;
+    row.group = group.name;
+    row.form = variant.form;
+    return row;
+}
+
+Result<FogPass> Measurement::make_pass(const Group& group, std::size_t index, const Method& method,
+                                       std::vector<FogTextures>& textures) const {
+    const Variant& variant = group.variants[index];
+    // The passes of a variant keep pointers to its textures: made once, never moved.
+    if (textures.empty()) {
+        textures.reserve(variant.fogs.size());
+        for (const Fog& fog : variant.fogs) {
+            Result<FogTextures> made = FogTextures::create(context_.gl(), fog);
+            if (!made) {
+                textures.clear();
+                return tl::unexpected(made.error());
+            }
+            textures.push_back(*std::move(made));
+        }
+    }
+    std::vector<const FogTextures*> fogs;
+    for (const FogTextures& made : textures) fogs.push_back(&made);
+    return FogPass::create(context_.gl(), fogs, method, scenes_[group.scene].scene.fog_colour);
+}
+
+void Measurement::estimate(std::vector<Contender>& contenders, const Stage& stage,
+                           const Camera& camera) const {
+    FrameTimer timer(context_.gl());
+    const double pixels = double(stage.size.width) * stage.size.height;
+    const double pilot_pixels = double(stage.pilot_size.width) * stage.pilot_size.height;
+    for (Contender& contender : contenders) {
+        show_progress(label(contender.row));
+        const auto pilot = [&] {
+            contender.pass.draw_colour(stage.pilot, camera, stage.pilot_fogged.framebuffer.name());
+        };
+        timer.time(pilot);  // compiles
+        contender.estimate = timer.time(pilot).wall_ms * 1e-3 * pixels / pilot_pixels;
+    }
+}
+
+void Measurement::fill_times(Contender& contender, std::optional<double>& homogeneous_ms) const {
+    const bool software = is_software(context_.renderer());
+    const Samples& samples = software ? contender.wall_ms : contender.gpu_ms;
+    Row& row = contender.row;
+    row.frames = int(samples.size());
+    row.ms_median = samples.median();
+    row.ms_p05 = samples.percentile(5);
+    row.ms_p95 = samples.percentile(95);
+    row.fps = 1000 / *row.ms_median;
+    row.gpu_ms_median = contender.gpu_ms.median();
+    row.wall_ms_median = contender.wall_ms.median();
+    if (row.method == homogeneous_method().name()) homogeneous_ms = row.ms_median;
+    if (homogeneous_ms) row.ratio_homogeneous = *row.ms_median / *homogeneous_ms;
+}
+
+void Measurement::fill_accuracy(Contender& contender, const Truth& truth, const Stage& stage,
+                                const Scene& scene) const {
+    const Gl& gl = context_.gl();
+    const GLuint target = stage.fine.framebuffer.name();
+    const auto drawn = [&] {
+        return read_texture(gl, stage.fine.texture.name(), stage.size.width, stage.size.height, 4);
+    };
+    contender.pass.draw_optical_depth(stage.frame, scene.camera, target);
+    const Image tau = drawn();
+    contender.pass.draw_colour(stage.frame, scene.camera, target);
+    const Accuracy accuracy =
+        measure_accuracy(truth, tau, drawn(), stage.scene_colour, scene.fog_colour);
+    Row& row = contender.row;
+    row.max_dT = accuracy.max_dT;
+    row.p99_dT = accuracy.p99_dT;
+    row.rmse_tau = accuracy.rmse_tau;
+    row.psnr = accuracy.psnr;
+    row.ssim = accuracy.ssim;
+}
+
+void Measurement::plan_frames(const Group& group, std::vector<Contender>& contenders,
+                              double seconds, Results& results) const {
+    std::vector<Contender*> by_cost;
+    for (Contender& contender : contenders) by_cost.push_back(&contender);
+    std::stable_sort(by_cost.begin(), by_cost.end(),
+                     [](auto* a, auto* b) { return a->estimate < b->estimate; });
+    // The cheap ones take what they need; what they leave is shared among the dearer ones.
+    double left = seconds;
+    for (std::size_t i = 0; i < by_cost.size(); ++i) {
+        Contender& contender = *by_cost[i];
+        const double estimate = std::max(contender.estimate, 1e-6);
+        int frames = options_.frames.value_or(
+            std::clamp(int(std::min(kCaseSeconds / estimate, 1e6)), kLeastFrames, kFrames));
+        const double share = left / double(by_cost.size() - i);
+        const double affordable = share / estimate - kOtherFrames;
+        if (affordable < frames) frames = affordable >= 1 ? int(affordable) : 0;
+        if (frames == 0 && share * 2 > estimate * (kOtherFrames + 1)) frames = 1;
+        contender.frames = frames;
+        if (frames > 0)
+            left -= (frames + kOtherFrames) * estimate;
+        else
+            results.cut.push_back(fmt::format("{}: {}: a frame takes {:.2g} s", group.name,
+                                              label(contender.row), estimate));
+    }
+}
+
+void Measurement::take_turns(const Group& group, std::vector<Contender>& contenders,
+                             const Stage& stage, double seconds) {
+    const auto begin = std::chrono::steady_clock::now();
+    const Camera& camera = scenes_[group.scene].scene.camera;
+    const GLuint target = stage.fogged.framebuffer.name();
+    FrameTimer timer(context_.gl());
+    const auto draw = [&](Contender& contender) {
+        return timer.time([&] { contender.pass.draw_colour(stage.frame, camera, target); });
+    };
+    int rounds = 0;
+    for (Contender& contender : contenders) {
+        rounds = std::max(rounds, contender.frames);
+        if (contender.frames >= kLeastFrames) draw(contender);  // warm-up at full size
+    }
+    const double done_before = done_;
+    for (int round = 0; round < rounds; ++round)
+        for (std::size_t k = 0; k < contenders.size(); ++k) {
+            // Whoever comes first in a round may meet other caches and clocks than the last.
+            Contender& contender = contenders[(k + std::size_t(round)) % contenders.size()];
+            const auto due = [&](int r) {
+                return std::int64_t(r) * contender.frames / std::max(rounds, 1);
+            };
+            if (due(round + 1) == due(round)) continue;
+            done_ = done_before + group_share_ * round / rounds;
+            const std::chrono::duration<double> used = std::chrono::steady_clock::now() - begin;
+            // Estimates can be wrong; a case that has a frame waits for those that have none.
+            if (used.count() > seconds && contender.wall_ms.size() > 0) continue;
+            show_progress(
+                fmt::format("{}, frame {} of {}", label(contender.row), round + 1, rounds));
+            const FrameTime time = draw(contender);
+            contender.gpu_ms.add(time.gpu_ms);
+            contender.wall_ms.add(time.wall_ms);
+        }
+    done_ = done_before;
+}
+
+}  // namespace wavefog::cli

@@ -1,0 +1,88 @@
+// Measures groups of methods that take turns frame by frame.
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/accuracy.h"
+#include "bench/results.h"
+#include "bench/variant.h"
+#include "options.h"
+#include "wavefog/gpu/context.h"
+#include "wavefog/gpu/fog_pass.h"
+
+namespace wavefog::cli {
+
+/// One method on one variant of the group's scene.
+struct Case {
+    std::size_t variant = 0;
+    Method method;
+};
+
+/// Cases that share a scene, a camera and a picture size: their times compare. `homogeneous` is
+/// always among them.
+struct Group {
+    std::string name;
+    std::size_t scene = 0;
+    Size size;
+    std::vector<Variant> variants;
+    std::vector<Case> cases;
+};
+
+struct MeasureOptions {
+    std::optional<int> frames;      ///< of each case; empty: kFrames, fewer where a frame is slow
+    std::optional<double> seconds;  ///< the whole run's time
+};
+
+inline constexpr int kFrames = 40;
+
+/// Runs groups one after the other. Rows come in the order of the cases, with `homogeneous` first.
+/// A case that FogPass refuses is told in Results::skipped, one that the time does not allow in
+/// Results::cut, and its row has no figures.
+class Measurement {
+  public:
+    Measurement(Context& context, const std::vector<BenchScene>& scenes,
+                const MeasureOptions& options);
+
+    /// Appends rows, cuts and skips to `results`.
+    Result<void> run(const std::vector<Group>& groups, Results& results);
+
+  private:
+    struct Stage;
+    struct Contender;
+
+    using VariantTextures = std::vector<std::vector<FogTextures>>;
+
+    Result<void> run_group(const Group& group, double seconds, Results& results);
+    Result<const Truth*> truth(const Group& group, const Variant& variant, const Stage& stage);
+    Row empty_row(const Group& group, std::size_t variant, const Method& method) const;
+    Result<FogPass> make_pass(const Group& group, std::size_t variant, const Method& method,
+                              std::vector<FogTextures>& textures) const;
+    void estimate(std::vector<Contender>& contenders, const Stage& stage,
+                  const Camera& camera) const;
+    void plan_frames(const Group& group, std::vector<Contender>& contenders, double seconds,
+                     Results& results) const;
+    void take_turns(const Group& group, std::vector<Contender>& contenders, const Stage& stage,
+                    double seconds);
+    void fill_times(Contender& contender, std::optional<double>& homogeneous_ms) const;
+    void fill_accuracy(Contender& contender, const Truth& truth, const Stage& stage,
+                       const Scene& scene) const;
+    double remaining_seconds() const;
+    void show_progress(const std::string& doing) const;
+
+    Context& context_;
+    const std::vector<BenchScene>& scenes_;
+    MeasureOptions options_;
+    std::chrono::steady_clock::time_point start_;
+    std::map<std::string, Truth> truths_;
+    double done_ = 0, group_share_ = 0;  ///< of the groups, for the progress line
+};
+
+/// "homogeneous" among the methods, needed by every group.
+Method homogeneous_method();
+
+}  // namespace wavefog::cli

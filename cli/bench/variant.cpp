@@ -1,0 +1,127 @@
+#include "bench/variant.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "options.h"
+#include "report.h"
+
+namespace wavefog::cli {
+namespace {
+
+/// The finest map of a fog. Rounding of the inverse transform may leave -1e-8 where the map is 0.
+Grid<float> map_of(const Fog& fog) {
+    return reconstruct(fog.decomposition).max(0.0f);
+}
+
+Result<Fog> decomposed(const Grid<float>& map, const FogOptions& options, const Fog& like) {
+    Result<Fog> fog = make_fog(map, options);
+    if (!fog) return fog;
+    fog->rect = like.rect;
+    fog->extinction = like.extinction;
+    fog->profile = like.profile;
+    fog->wind = like.wind;
+    return fog;
+}
+
+/// Joins different words with "+"; equal words once.
+void join(std::string& text, const std::string& word) {
+    if (text.empty())
+        text = word;
+    else if (text != word)
+        text += "+" + word;
+}
+
+const char* form_name(Form form) {
+    return form == Form::wavelet ? "wavelet" : "scaling";
+}
+
+}  // namespace
+
+Result<BenchScene> load_bench_scene(const std::filesystem::path& file) {
+    Result<Scene> scene = load_scene(file);
+    if (!scene) return tl::unexpected(scene.error());
+    if (scene->fogs.empty())
+        return data_error(file.string() + ": the scene has no fog to measure; add one");
+    BenchScene result{file.stem().string(), {}, *std::move(scene)};
+    std::ifstream stream(file);
+    const Facts json = Facts::parse(stream, nullptr, false);
+    for (std::size_t i = 0; i < result.scene.fogs.size(); ++i) {
+        const Facts& fog = json.at("fog").at(i);
+        const std::string picture = fog.value("image", fog.value("file", std::string()));
+        result.map_names.push_back(std::filesystem::path(picture).filename().string());
+    }
+    return result;
+}
+
+Grid<float> area_average(const Grid<float>& map, int width, int height) {
+    // Weights of a column of the source in a column of the result: the share of their overlap.
+    const auto weights = [](Eigen::Index from, int to) {
+        Eigen::MatrixXf matrix = Eigen::MatrixXf::Zero(to, from);
+        const double step = double(from) / to;
+        for (int i = 0; i < to; ++i)
+            for (auto k = Eigen::Index(i * step); k < from && double(k) < (i + 1) * step; ++k)
+                matrix(i, k) = float(
+                    (std::min((i + 1) * step, double(k + 1)) - std::max(i * step, double(k))) /
+                    step);
+        return matrix;
+    };
+    return (weights(map.rows(), height) * map.matrix() * weights(map.cols(), width).transpose())
+        .array();
+}
+
+Result<std::vector<Fog>> undecomposed(const std::vector<Fog>& fogs) {
+    std::vector<Fog> result;
+    for (const Fog& fog : fogs) {
+        FogOptions options{fog.degree(), "", Form::wavelet, 0, fog.decomposition.boundary};
+        Result<Fog> made = decomposed(map_of(fog), options, fog);
+        if (!made) return tl::unexpected(made.error());
+        result.push_back(*std::move(made));
+    }
+    return result;
+}
+
+Result<Variant> make_variant(const BenchScene& scene, const VariantOptions& options) {
+    Variant variant;
+    const std::size_t count = options.map_size ? 1 : scene.scene.fogs.size();
+    for (std::size_t i = 0; i < count; ++i) {
+        const Fog& source = scene.scene.fogs[i];
+        const Decomposition<float>& d = source.decomposition;
+        Fog fog = source;
+        if (options.degree || options.levels || options.form || options.family ||
+            options.map_size) {
+            Grid<float> map = map_of(source);
+            if (options.map_size) map = area_average(map, *options.map_size, *options.map_size);
+            const int degree = options.degree.value_or(d.degree());
+            const Form form = options.form.value_or(d.form);
+            const bool keeps_family = degree == d.degree() && form == d.form;
+            const std::string family =
+                options.family.value_or(keeps_family ? d.family.name() : std::string());
+            Result<Fog> made = decomposed(
+                map, {degree, family, form, options.levels.value_or(d.levels()), d.boundary},
+                source);
+            if (!made) return tl::unexpected(made.error());
+            fog = *std::move(made);
+        }
+        if (options.profile) fog.profile = *options.profile;
+
+        const Decomposition<float>& made = fog.decomposition;
+        join(variant.map, scene.map_names[i]);
+        join(variant.basis, basis_name(made.degree()));
+        join(variant.family, made.family.name());
+        join(variant.form, form_name(made.form));
+        if (i == 0) {
+            variant.map_width = made.width;
+            variant.map_height = made.height;
+            variant.levels = made.levels();
+        }
+        variant.truth_key += fmt::format("{}:{}x{}:{}:{};", scene.map_names[i], made.width,
+                                         made.height, made.degree(), profile_text(fog.profile));
+        variant.fogs.push_back(std::move(fog));
+    }
+    return variant;
+}
+
+}  // namespace wavefog::cli

@@ -1,0 +1,48 @@
+// One setting of a scene's fogs: map size, basis, family, form, levels.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "wavefog/fogmap/scene.h"
+
+namespace wavefog::cli {
+
+/// A scene as it was loaded, with the names that its rows carry.
+struct BenchScene {
+    std::string name;                    ///< of the file, without ".json"
+    std::vector<std::string> map_names;  ///< of each fog's picture, without its folder
+    Scene scene;
+};
+
+Result<BenchScene> load_bench_scene(const std::filesystem::path& file);
+
+/// What a variant changes of the scene's fogs; empty: as in the scene.
+struct VariantOptions {
+    std::optional<int> degree;
+    std::optional<int> levels;
+    std::optional<Form> form;
+    std::optional<std::string> family;  ///< "": the basis's default
+    std::optional<int> map_size;        ///< the first fog alone, area-averaged to NxN
+    std::optional<Profile> profile;
+};
+
+struct Variant {
+    std::string map, basis, family, form;
+    int map_width = 0, map_height = 0, levels = 0;
+    std::vector<Fog> fogs;
+    /// Equal for variants of a scene that have the same finest map and basis: the same truth.
+    std::string truth_key;
+};
+
+Result<Variant> make_variant(const BenchScene& scene, const VariantOptions& options);
+
+/// The variant's fogs without decomposition: what the truth is taken from.
+Result<std::vector<Fog>> undecomposed(const std::vector<Fog>& fogs);
+
+/// Mean of the map over each of width x height equal rectangles.
+Grid<float> area_average(const Grid<float>& map, int width, int height);
+
+}  // namespace wavefog::cli
