@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <tuple>
 
 #include "fog_textures.h"
+#include "froxel_volume.h"
 #include "paper_data.h"
 
 namespace wavefog {
@@ -87,7 +89,8 @@ struct FogPass::Impl {
     // Fog i adds its optical depth to that of the fogs before it; the last one ends in the output.
     std::vector<Program> add_tau;
     Program last_colour;
-    std::vector<PaperTextures> paper;  ///< one a fog with the paper's methods, else none
+    std::vector<PaperTextures> paper;     ///< one a fog with the paper's methods, else none
+    std::optional<FroxelVolume> froxels;  ///< draws instead of all this
     Buffer fog_uniforms, view_uniforms, paper_uniforms;
     VertexArray vertices;
     Target partial[2];  ///< optical depth of the fogs drawn so far, in turns
@@ -156,6 +159,7 @@ struct FogPass::Impl {
 
     void draw(const FrameTarget& frame, const Camera& camera, GLuint output, double seconds,
               bool colour) {
+        if (froxels) return froxels->draw(frame, camera, output, seconds, colour);
         const std::size_t count = std::max<std::size_t>(fogs.size(), 1);
         if (count > 1) make_partial_targets(frame.width, frame.height);
         const auto matrices = camera_matrices(camera, frame.width, frame.height);
@@ -203,8 +207,17 @@ Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fo
     if (method.kind == MethodKind::reference)
         return usage_error(
             "method reference runs on the CPU (class Reference); the fog pass draws "
-            "exact, march:N or homogeneous");
+            "exact, paper, paper-scaling, march:N, froxel:XxYxZ or homogeneous");
     auto impl = std::make_unique<Impl>(gl, std::move(fogs), method, fog_colour);
+    if (method.kind == MethodKind::froxel && !impl->fogs.empty()) {
+        std::vector<FroxelFog> maps;
+        for (const FogTextures* fog : impl->fogs)
+            maps.push_back({&fog->impl_->facts, fog->impl_->map.name()});
+        auto volume = FroxelVolume::create(gl, std::move(maps), method, fog_colour);
+        if (!volume) return tl::unexpected(volume.error());
+        impl->froxels.emplace(std::move(*volume));
+        return FogPass(std::move(impl));
+    }
     if (method.kind == MethodKind::paper || method.kind == MethodKind::paper_scaling)
         for (const FogTextures* fog : impl->fogs) {
             auto textures = make_paper_textures(gl, *fog->impl_, method);
@@ -228,6 +241,20 @@ Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fo
         make_buffer(gl, GL_UNIFORM_BUFFER, sizeof(shader::PaperBlock), nullptr, GL_DYNAMIC_DRAW);
     impl->vertices = make_vertex_array(gl);
     return FogPass(std::move(impl));
+}
+
+std::size_t FogPass::bytes() const {
+    std::size_t sum = impl_->froxels ? impl_->froxels->bytes() : 0;
+    for (const auto& textures : impl_->paper) sum += textures.bytes;
+    for (const FogTextures* fog : impl_->fogs) {
+        const auto& facts = fog->impl_->facts;
+        const std::size_t map = sizeof(float) * static_cast<std::size_t>(facts.width) *
+                                static_cast<std::size_t>(facts.height);
+        if (impl_->method.kind == MethodKind::exact) sum += fog->bytes() - map;
+        if (impl_->method.kind == MethodKind::march || impl_->method.kind == MethodKind::froxel)
+            sum += map;
+    }
+    return sum;
 }
 
 void FogPass::draw_colour(const FrameTarget& frame, const Camera& camera, GLuint output_framebuffer,

@@ -26,7 +26,8 @@ class FogTextures {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Draws one or more fogs over a frame with one method. MethodKind::reference is not a GPU method.
+/// Draws one or more fogs over a frame with one method. MethodKind::reference is not a GPU method;
+/// froxel is the volume that engines ship, without their temporal filter (a still frame).
 class FogPass {
   public:
     /// Compiles the programs that `method` needs for these fogs (they stay the caller's).
@@ -42,6 +43,9 @@ class FogPass {
     /// The sum of the fogs' optical depths into a R32F target.
     void draw_optical_depth(const FrameTarget& frame, const Camera& camera, GLuint output_framebuffer,
                             double seconds = 0);
+
+    /// Textures on the GPU that this method reads: of its fogs, and its own.
+    std::size_t bytes() const;
 
   private:
     struct Impl;
