@@ -33,7 +33,9 @@ struct ConvertOptions {
     std::optional<std::string> channel;
     bool sanitize = false;
     bool half = false;
-    Layout layout = Layout::atlas;
+    std::optional<Layout> layout;
+    std::optional<int> path_table;
+    PathLayout path_layout = PathLayout::mean;
     bool json = false;
 
     bool decomposes_anew() const { return degree || !family.empty() || levels || form || boundary; }
@@ -146,7 +148,9 @@ Result<void> convert(const ConvertOptions& options) {
 
     SaveOptions save;
     save.half = options.half;
-    save.layout = options.layout;
+    save.layout = options.layout.value_or(options.path_table ? Layout::parts : Layout::atlas);
+    save.path_table = options.path_table.value_or(0);
+    save.path_layout = options.path_layout;
     {
         const HoldInterrupts hold;
         if (auto saved = save_fog(options.output, *fog, save); !saved) return saved;
@@ -209,6 +213,13 @@ Command add_convert(CLI::App& root) {
         "half|float", "Bits of a coefficient: 16, rounded so that fog stays >= 0, or 32 (float)");
     add_choice(*app, "--layout", options->layout, {"atlas", "levels", "parts"},
                "One RGBA picture, one file a level, or one multi-part file (atlas)");
+    add_parsed(
+        *app, "--path-table", options->path_table,
+        [](const std::string& text) { return parse_integer_in(text, 2, 128); },
+        "N", "Add path-integral tables of N samples an edge, 2 to 128 (with --layout parts)");
+    add_choice(
+        *app, "--path-layout", options->path_layout, {"mean", "perimeter"},
+        "What the tables hold: mean density by pair of edges, or the integral itself (mean)");
     app->add_flag("--json", options->json, "Print what was written as JSON");
     app->footer(
         "The picture's pixels become the coefficients of a B-spline surface of fog density, which\n"

@@ -112,6 +112,36 @@ Result<FogMeta> make_meta(const fs::path& file, const Fog& fog, const SaveOption
     return meta;
 }
 
+/// Path-integral tables as further parts, and what the description says of them.
+Result<void> add_path_table(const Decomposition<float>& d, const SaveOptions& options,
+                            std::vector<ExrImage>& parts, nlohmann::json& description) {
+    if (options.layout != Layout::parts || options.half)
+        return usage_error(
+            "--path-table: tables are float parts of a multi-part file; use --layout parts and "
+            "--precision float");
+    const bool wavelets = d.form == Form::wavelet && d.levels() > 0;
+    auto table = make_path_table(d.family, options.path_table, options.path_layout, wavelets);
+    if (!table) return tl::unexpected(table.error());
+    nlohmann::json functions = nlohmann::json::array();
+    constexpr const char* kNames[] = {"phi phi", "phi psi", "psi phi", "psi psi"};
+    for (std::size_t f = 0; f < table->functions.size(); ++f) {
+        const auto& function = table->functions[f];
+        if (function.pieces_x > 0)
+            functions.push_back({{"name", kNames[f]},
+                                 {"first_block", function.first_block},
+                                 {"pieces", {function.pieces_x, function.pieces_z}}});
+    }
+    description["path_table"] = {
+        {"samples", table->samples},
+        {"layout", table->layout == PathLayout::mean ? "mean" : "perimeter"},
+        {"psi_first", table->psi_first},
+        {"functions", functions}};
+    for (auto& [name, texture] :
+         {std::pair{"whole_paths", &table->whole}, std::pair{"partial_paths", &table->partial}})
+        parts.push_back({name, texture->width, texture->height, std::move(texture->rgba)});
+    return {};
+}
+
 Result<nlohmann::json> read_description(const fs::path& file) {
     const auto text = detail::read_text_file(file, kMaxMetaBytes);
     if (!text) return tl::unexpected(text.error());
@@ -126,12 +156,17 @@ Result<void> save_exr(const fs::path& file, const Fog& fog, const SaveOptions& o
     if (const auto ok = detail::check_writable_place(file); !ok) return ok;
     auto meta = make_meta(file, fog, options);
     if (!meta) return tl::unexpected(meta.error());
-    const nlohmann::json description = write_meta(*meta);
+    nlohmann::json description = write_meta(*meta);
 
     std::map<std::string, std::vector<ExrImage>> files;
     for (FogTexture& texture : meta->textures)
         files[texture.image].push_back({texture.part, texture.atlas.width, texture.atlas.height,
                                         std::move(texture.atlas.rgba)});
+    if (options.path_table > 0)
+        if (const auto ok =
+                add_path_table(fog.decomposition, options, files.begin()->second, description);
+            !ok)
+            return ok;
     std::vector<PendingFile> pending;
     for (const auto& [name, images] : files) {
         const fs::path target = fs::path(file).replace_filename(name);

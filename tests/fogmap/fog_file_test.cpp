@@ -1,6 +1,7 @@
 // Fog files: bit for bit in every layout, safe against damage, and no remains of a failure.
 #include "wavefog/fogmap/fog_file.h"
 
+#include <OpenImageIO/imageio.h>
 #include <tinyexr.h>
 
 #include <cstdlib>
@@ -84,6 +85,45 @@ TEST_CASE("a float fog file gives the fog back bit for bit in every layout") {
                         REQUIRE(described.has_value());
                         CHECK(same(*described, fog));
                     }
+}
+
+TEST_CASE("path-integral tables are parts beside the levels and change nothing else") {
+    Random random(37);
+    const TempDir dir;
+    const auto file = dir / "paths.exr";
+    for (const PathLayout layout : {PathLayout::mean, PathLayout::perimeter}) {
+        const Fog fog = saved_fog(file, {.degree = 2, .levels = 2},
+                                  {.layout = Layout::parts, .path_table = 4, .path_layout = layout},
+                                  random, 20, 12);
+        const auto back = load_fog(file);
+        REQUIRE_MESSAGE(back.has_value(), (back ? "" : back.error().message));
+        CHECK(same(*back, fog));
+        const auto table = make_path_table(fog.decomposition.family, 4, layout, true);
+        REQUIRE(table.has_value());
+        // Read by another library, by the part's name.
+        auto input = OIIO::ImageInput::open(file.string());
+        REQUIRE(input);
+        int found = 0;
+        for (int part = 0; input->seek_subimage(part, 0); ++part) {
+            const std::string name = input->spec().get_string_attribute("oiio:subimagename");
+            const PathTexture* texture = name == "whole_paths"     ? &table->whole
+                                         : name == "partial_paths" ? &table->partial
+                                                                   : nullptr;
+            if (!texture) continue;
+            ++found;
+            REQUIRE(input->spec().width == texture->width);
+            REQUIRE(input->spec().height == texture->height);
+            std::vector<float> rgba(texture->rgba.size());
+            REQUIRE(input->read_image(part, 0, 0, 4, OIIO::TypeDesc::FLOAT, rgba.data()));
+            CHECK(rgba == texture->rgba);
+        }
+        CHECK(found == 2);
+    }
+    const Fog fog = fog_of(make_map<float>(MapKind::random, 8, 8, random), {.degree = 1});
+    const auto refused = save_fog(dir / "atlas.exr", fog, {.path_table = 4});
+    REQUIRE(!refused.has_value());
+    CHECK(refused.error().kind == ErrorKind::usage);
+    CHECK(!std::filesystem::exists(dir / "atlas.exr"));
 }
 
 TEST_CASE("odd sizes, other families and wild ranges come back bit for bit") {

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "wavefog/fogmap/fog.h"
+#include "wavefog/wavelet/path_table.h"
 
 namespace wavefog {
 
@@ -18,6 +19,11 @@ enum class Layout {
 struct SaveOptions {
     bool half = false;  ///< float16, residuals closed-loop and rounded up so density stays >= 0
     Layout layout = Layout::atlas;
+    /// Samples an edge of the path-integral tables (paper 004, 4.3) that join Layout::parts as float
+    /// parts "whole_paths" and "partial_paths"; 0: none. The description's "path_table" says how they
+    /// lie (path_table.h).
+    int path_table = 0;
+    PathLayout path_layout = PathLayout::mean;
 };
 
 /// Writes NAME.exr (for Layout::levels one NAME.lN.exr a level, N as in PackedLevel::level) and the
