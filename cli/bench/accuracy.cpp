@@ -112,8 +112,8 @@ Truth compute_truth(const std::vector<Fog>& fogs, const Camera& camera, const Im
     return truth;
 }
 
-Accuracy measure_accuracy(const Truth& truth, const Image& tau, const Image& colour,
-                          const Image& scene, const Eigen::Vector3d& fog_colour) {
+Accuracy measure_accuracy(const Truth& truth, const Image& tau, const Image& scene,
+                          const Eigen::Vector3d& fog_colour) {
     const std::size_t count = truth.tau.size();
     std::vector<double> dT(count), luma_true(count), luma_drawn(count);
     double square_tau = 0, square_colour = 0;
@@ -127,13 +127,12 @@ Accuracy measure_accuracy(const Truth& truth, const Image& tau, const Image& col
                 square_tau += (drawn_tau - true_tau) * (drawn_tau - true_tau);
                 ++translucent;
             }
-            const double opacity = -std::expm1(-true_tau);
+            const double true_opacity = -std::expm1(-true_tau), opacity = -std::expm1(-drawn_tau);
             std::array<double, 3> truly{}, drawn{};
             for (int c = 0; c < 3; ++c) {
-                const double linear = double(scene.at(x, y, c));
-                truly[std::size_t(c)] =
-                    srgb_from_linear(linear + opacity * (fog_colour[c] - linear));
-                drawn[std::size_t(c)] = srgb_from_linear(double(colour.at(x, y, c)));
+                const double linear = double(scene.at(x, y, c)), towards = fog_colour[c] - linear;
+                truly[std::size_t(c)] = srgb_from_linear(linear + true_opacity * towards);
+                drawn[std::size_t(c)] = srgb_from_linear(linear + opacity * towards);
                 const double difference = truly[std::size_t(c)] - drawn[std::size_t(c)];
                 square_colour += difference * difference;
             }

@@ -28,10 +28,10 @@ struct Accuracy {
 /// Beyond this optical depth T < 4e-7: methods may stop there, and by design do.
 inline constexpr double kOpaque = 14.6;
 
-/// `tau` is a method's optical depth (channel 0), `colour` its picture, `scene` the picture without
-/// fog (linear, at least three channels each).
-Accuracy measure_accuracy(const Truth& truth, const Image& tau, const Image& colour,
-                          const Image& scene, const Eigen::Vector3d& fog_colour);
+/// `tau` is a method's optical depth (channel 0), `scene` the linear picture without fog (at least
+/// three channels). Both pictures are the blend L = T L_scene + (1 - T) L_fog (paper 004, eq. 4).
+Accuracy measure_accuracy(const Truth& truth, const Image& tau, const Image& scene,
+                          const Eigen::Vector3d& fog_colour);
 
 /// sRGB's curve for a linear value, clipped to [0,1].
 double srgb_from_linear(double value);

@@ -4,7 +4,6 @@
 #include <memory>
 
 #include "bench/charts.h"
-#include "bench/gnuplot.h"
 #include "bench/measure.h"
 #include "bench/output.h"
 #include "bench/plan.h"
@@ -40,12 +39,14 @@ Result<void> check_usage(const BenchOptions& options) {
     return {};
 }
 
-/// Warns of what is missing in the results, and of nothing else.
+/// Warns of what is missing; the whole lists stand in results.json.
 void tell_omissions(const Results& results) {
-    for (const std::string& text : results.cut) warn("left out: " + text);
-    if (!results.skipped.empty())
-        warn(fmt::format("{} cases could not be measured, the first: {}", results.skipped.size(),
-                         results.skipped.front()));
+    const auto tell = [](const std::vector<std::string>& list, const char* what) {
+        if (!list.empty())
+            warn(fmt::format("{} {}, the first: {}", list.size(), what, list.front()));
+    };
+    tell(results.cut, "left out for want of time");
+    tell(results.skipped, "could not be measured");
 }
 
 Result<Results> measure(const BenchOptions& options) {
@@ -94,7 +95,7 @@ Result<void> bench(BenchOptions& options) {
     const Result<Results> results =
         options.from.empty() ? measure(options) : read_results(options.from);
     if (!results) return tl::unexpected(results.error());
-    tell_omissions(*results);
+    if (options.from.empty()) tell_omissions(*results);
     if (options.json)
         fmt::print("{}\n", to_json(*results).dump(2));
     else
@@ -122,7 +123,7 @@ Command add_bench(CLI::App& root) {
     add_parsed(*app, "--levels", options->plan.levels, parse_level_list, "N,N,...",
                "Decompose the scenes' fogs into each of these numbers of levels (the scenes')");
     add_parsed(*app, "--size", options->plan.size, parse_size, "WxH",
-               "Pixels (the scene's; paper-tables: 800x600)");
+               "Pixels (the scene's; chart and paper-tables: 800x600)");
     add_parsed(
         *app, "--frames", options->measure.frames,
         [](const std::string& text) { return parse_integer_in(text, 1, 10000); }, "N",

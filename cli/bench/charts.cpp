@@ -42,9 +42,9 @@ Figure error_figure(const std::vector<Row>& rows) {
     Figure figure;
     figure.id = "error-" + file_name(first.group);
     figure.title = "Cost against error: " + first.scene;
-    figure.subtitle = fmt::format(
-        "{}, {}×{}, {}; {}×{} pixels; curves join each method's best settings", first.map,
-        first.map_width, first.map_height, first.basis, first.width, first.height);
+    figure.subtitle =
+        fmt::format("{}×{} {} map, {}×{} pixels; lines join each method's best settings",
+                    first.map_width, first.map_height, first.basis, first.width, first.height);
     figure.x.label = "cost of the fog pass, × homogeneous fog";
     figure.y.label = "largest error of transmittance, max |ΔT|";
     figure.levels.push_back({kVisibleError, "least visible\nerror, 1/510"});

@@ -37,7 +37,9 @@ constexpr Look kLooks[] = {{"exact", "#0072B2", 7, 1},         {"paper", "#D55E0
                            {"4,2", "#D55E00", 12, 4}};
 constexpr Look kOtherLook = {"", "#7F7F7F", 6, 1};
 constexpr const char* kGrey = "#595959";
-constexpr double kBottomMargin = 0.22, kTopMargin = 0.86;
+constexpr double kWidth = 1200, kHeight = 800;  // pixels
+// Edges of the plot, as shares of the picture.
+constexpr double kLeft = 0.11, kRight = 0.86, kBottom = 0.22, kTop = 0.86, kTopWithAxis = 0.80;
 
 const Look& look_of(const std::string& key) {
     for (const Look& look : kLooks)
@@ -93,6 +95,102 @@ Range range_of(const Axis& axis, std::vector<double> values) {
     return {*low - margin, *high + margin};
 }
 
+/// Where a note's text goes: beside its point, off the others.
+class NotePlacer {
+  public:
+    NotePlacer(const Figure& figure, const Range& x, const Range& y)
+        : figure_(figure), x_(x), y_(y) {
+        for (const Curve& curve : figure.curves) {
+            const Pixel* before = nullptr;
+            Pixel last{};
+            for (const auto& [px, py] : curve.points) {
+                if (!drawable(px, figure.x) || !drawable(py, figure.y)) continue;
+                const Pixel at = pixel(px, py);
+                taken_.push_back(around(at, 9, 9));
+                if (before != nullptr && curve.style != Curve::Style::points) cover(last, at);
+                last = at;
+                before = &last;
+            }
+        }
+    }
+
+    /// Gnuplot's words for the place.
+    std::string place(const Note& note) {
+        const Pixel at = pixel(note.x, note.y);
+        const auto letters = std::count_if(note.text.begin(), note.text.end(),
+                                           [](char c) { return (c & 0xC0) != 0x80; });
+        const double width = 11.0 * double(letters), height = 24;
+        Box best;
+        bool best_left = true;
+        double least = 1e300;
+        for (const double dy : {22.0, -22.0, 0.0, 44.0, -44.0, 66.0})
+            for (const bool left_aligned : {true, false}) {
+                const double middle = at.x + (left_aligned ? 1 : -1) * (width / 2 + 16);
+                const Box box = around({middle, at.y + dy}, width / 2, height / 2);
+                const double badness = covered(box) + 0.1 * std::abs(dy) + (left_aligned ? 0 : 1);
+                if (badness >= least) continue;
+                least = badness;
+                best = box;
+                best_left = left_aligned;
+            }
+        taken_.push_back(best);
+        return fmt::format("at screen {:.4f},{:.4f} {}",
+                           (best_left ? best.left : best.right) / kWidth,
+                           (best.bottom + best.top) / 2 / kHeight, best_left ? "left" : "right");
+    }
+
+  private:
+    struct Pixel {
+        double x, y;
+    };
+    struct Box {
+        double left = 0, right = 0, bottom = 0, top = 0;
+    };
+
+    /// A line, as a chain of small boxes.
+    void cover(const Pixel& from, const Pixel& to) {
+        const int steps = int(std::hypot(to.x - from.x, to.y - from.y) / 8);
+        for (int i = 1; i < steps; ++i) {
+            const double t = double(i) / steps;
+            taken_.push_back(
+                around({std::lerp(from.x, to.x, t), std::lerp(from.y, to.y, t)}, 4, 4));
+        }
+    }
+
+    static Box around(const Pixel& p, double half_width, double half_height) {
+        return {p.x - half_width, p.x + half_width, p.y - half_height, p.y + half_height};
+    }
+
+    static double share(double value, const Axis& axis, const Range& range) {
+        return axis.log ? std::log(value / range.low) / std::log(range.high / range.low)
+                        : (value - range.low) / (range.high - range.low);
+    }
+
+    Pixel pixel(double px, double py) const {
+        const double top = figure_.top_label.empty() ? kTop : kTopWithAxis;
+        return {kWidth * (kLeft + (kRight - kLeft) * share(px, figure_.x, x_)),
+                kHeight * (kBottom + (top - kBottom) * share(py, figure_.y, y_))};
+    }
+
+    /// Pixels of overlap with what is there, and of sticking out of the picture.
+    double covered(const Box& box) const {
+        double area = 0;
+        for (const Box& other : taken_) {
+            const double w = std::min(box.right, other.right) - std::max(box.left, other.left);
+            const double h = std::min(box.top, other.top) - std::max(box.bottom, other.bottom);
+            if (w > 0 && h > 0) area += w * h;
+        }
+        const double top = figure_.top_label.empty() ? kTop : kTopWithAxis;
+        const double out = std::max({kWidth * kLeft - box.left, box.right - kWidth * 0.99,
+                                     kHeight * kBottom - box.bottom, box.top - kHeight * top, 0.0});
+        return area + 100 * out;
+    }
+
+    const Figure& figure_;
+    Range x_, y_;
+    std::vector<Box> taken_;
+};
+
 /// Plain numbers where they stay short, powers of ten elsewhere.
 std::string axis_commands(const Axis& axis, const char* name, const Range& range) {
     std::string text = fmt::format("set {}label {}\nset {}range [{:g}:{:g}]\n", name,
@@ -113,7 +211,7 @@ std::string plot_clause(const Curve& curve, std::size_t index) {
     const std::string title = curve.name.empty() ? "notitle" : "title " + quoted(curve.name);
     switch (curve.style) {
         case Curve::Style::points:
-            return fmt::format("$d{} with points pt {} ps 1.1 lw 1.5 lc rgb '{}' {}", index,
+            return fmt::format("$d{} with points pt {} ps 0.8 lw 1.5 lc rgb '{}' {}", index,
                                look.marker, look.colour, title);
         case Curve::Style::dashed:
             return fmt::format("$d{} with linespoints pt {} ps 1.3 lw 2.5 dt 3 lc rgb '{}' {}",
@@ -159,27 +257,30 @@ std::string gnuplot_program(const Figure& figure, const std::string& terminal,
     for (const Level& level : figure.levels) ys.push_back(level.y);
     const Range x = range_of(figure.x, xs), y = range_of(figure.y, ys);
 
+    const bool svg = terminal == "svg";
     std::string text = fmt::format(
-        "set terminal {} size 1200,800 enhanced font 'DejaVu Sans,{}' background '#ffffff'\n"
-        "set output {}\nset encoding utf8\n"
-        "set border 3 lw 1.5 lc rgb '{}'\nset tics nomirror out textcolor rgb '{}'\n"
-        "set grid lw 1 lc rgb '#E0E0E0'\n"
-        "set lmargin at screen 0.11\nset rmargin at screen 0.86\n"
-        "set tmargin at screen {}\nset bmargin at screen {}\n"
-        "set key at screen 0.485,{} center bottom horizontal maxrows 3 samplen 2.5 spacing 1.15 "
+        "set terminal {} size {},{} enhanced font 'DejaVu Sans,{}' background '#ffffff'\n"
+        "set output {}\nset encoding utf8\n",
+        terminal, kWidth, kHeight, svg ? 19 : 15, quoted(output));
+    text += fmt::format(
+        "set border 3 lw 1.5 lc rgb '{0}'\nset tics nomirror out textcolor rgb '{0}'\n"
+        "set grid lw 1 lc rgb '#D8D8D8'\n"
+        "set lmargin at screen {1}\nset rmargin at screen {2}\n"
+        "set bmargin at screen {3}\nset tmargin at screen {4}\n"
+        "set key at screen {5},0.012 center bottom horizontal maxrows 3 samplen 2.5 spacing 1.15 "
         "width 1\n",
-        terminal, terminal == "svg" ? 19 : 15, quoted(output), kGrey, kGrey,
-        figure.top_label.empty() ? kTopMargin : kTopMargin - 0.06, kBottomMargin, 0.012);
-    text += fmt::format("set label 1 {} at screen 0.02,0.955 left font ',{}'\n",
-                        "\"{/:Bold " + plain(figure.title) + "}\"", terminal == "svg" ? 25 : 20);
+        kGrey, kLeft, kRight, kBottom, figure.top_label.empty() ? kTop : kTopWithAxis,
+        (kLeft + kRight) / 2);
+    text += fmt::format("set label 1 {} at screen 0.02,0.962 left font ',{}'\n",
+                        "\"{/:Bold " + plain(figure.title) + "}\"", svg ? 25 : 20);
     if (!figure.subtitle.empty())
-        text += fmt::format("set label 2 {} at screen 0.02,0.91 left textcolor rgb '{}'\n",
+        text += fmt::format("set label 2 {} at screen 0.02,0.92 left textcolor rgb '{}'\n",
                             quoted(figure.subtitle), kGrey);
     text += axis_commands(figure.x, "x", x) + axis_commands(figure.y, "y", y);
     if (!figure.top_label.empty()) {
         const Axis top{figure.top_label, figure.x.log, 0, 0};
         text += axis_commands(top, "x2", {x.low * figure.top_factor, x.high * figure.top_factor});
-        text += "set x2tics\nset border 7\n";
+        text += "set x2tics\nset x2label offset 0,-0.6\nset border 7\n";
     }
     int tag = 10;
     for (const Level& level : figure.levels) {
@@ -189,11 +290,11 @@ std::string gnuplot_program(const Figure& figure, const std::string& terminal,
             tag, level.y, kGrey, quoted(level.label));
         ++tag;
     }
+    NotePlacer placer(figure, x, y);
     for (const Note& note : figure.notes)
         if (drawable(note.x, figure.x) && drawable(note.y, figure.y))
-            text +=
-                fmt::format("set label {} {} at {:g},{:g} left offset 0.9,0.7 textcolor rgb '{}'\n",
-                            tag++, quoted(note.text), note.x, note.y, look_of(note.key).colour);
+            text += fmt::format("set label {} {} {} textcolor rgb '{}'\n", tag++, quoted(note.text),
+                                placer.place(note), look_of(note.key).colour);
     std::string plot;
     for (std::size_t i = 0; i < figure.curves.size(); ++i) {
         const Curve& curve = figure.curves[i];

@@ -15,10 +15,9 @@
 namespace wavefog::cli {
 namespace {
 
-constexpr int kLeastFrames = 5;     // of a slow case, if the time allows
-constexpr double kCaseSeconds = 8;  // for a slow case, if nothing else bounds it
-// Besides the timed frames a case costs a warm-up frame, and one each for T and the picture.
-constexpr int kOtherFrames = 3;
+constexpr int kLeastFrames = 5;       // of a slow case, if the time allows
+constexpr double kCaseSeconds = 8;    // for a slow case, if nothing else bounds it
+constexpr double kWarmUpSeconds = 2;  // dearer frames are timed without a warm-up at full size
 
 struct Output {
     Texture texture;
@@ -57,7 +56,7 @@ Method homogeneous_method() {
 /// A scene drawn once: colour and depth that every method reads, and targets to draw into.
 struct Measurement::Stage {
     Size size, pilot_size;
-    FrameTarget frame, pilot;     ///< pilot: 1/16 of the pixels, to see what a frame will cost
+    FrameTarget frame, pilot;     ///< pilot: 1/64 of the pixels, to see what a frame will cost
     Output fogged, pilot_fogged;  ///< RGBA16F, what is timed
     Output fine;                  ///< RGBA32F, what accuracy is measured on
     Image scene_colour, depth;
@@ -65,7 +64,7 @@ struct Measurement::Stage {
     static Result<Stage> create(const Gl& gl, const Scene& scene, const Size& size) {
         Stage stage;
         stage.size = size;
-        stage.pilot_size = {std::max(size.width / 4, 1), std::max(size.height / 4, 1)};
+        stage.pilot_size = {std::max(size.width / 8, 1), std::max(size.height / 8, 1)};
         const Result<SceneRenderer> renderer = SceneRenderer::create(gl, scene);
         if (!renderer) return tl::unexpected(renderer.error());
         for (auto [target, target_size] :
@@ -182,7 +181,7 @@ Result<void> Measurement::run_group(const Group& group, double seconds, Results&
         if (one.method.kind != MethodKind::homogeneous) enter(one.variant, one.method);
 
     estimate(contenders, *stage, scene.camera);
-    plan_frames(group, contenders, seconds_left(), results);
+    plan_frames(contenders, seconds_left(), results);
     take_turns(group, contenders, *stage, seconds_left());
     std::optional<double> homogeneous_ms;
     for (Contender& contender : contenders) {
@@ -242,11 +241,19 @@ void Measurement::estimate(std::vector<Contender>& contenders, const Stage& stag
     const double pilot_pixels = double(stage.pilot_size.width) * stage.pilot_size.height;
     for (Contender& contender : contenders) {
         show_progress(label(contender.row));
-        const auto pilot = [&] {
-            contender.pass.draw_colour(stage.pilot, camera, stage.pilot_fogged.framebuffer.name());
+        const auto seconds_of = [&](const FrameTarget& frame, const Output& output) {
+            const auto draw = [&] {
+                contender.pass.draw_colour(frame, camera, output.framebuffer.name());
+            };
+            return timer.time(draw).wall_ms * 1e-3;
         };
-        timer.time(pilot);  // compiles
-        contender.estimate = timer.time(pilot).wall_ms * 1e-3 * pixels / pilot_pixels;
+        double pilot = seconds_of(stage.pilot, stage.pilot_fogged);  // compiles
+        if (pilot < kWarmUpSeconds) pilot = seconds_of(stage.pilot, stage.pilot_fogged);
+        // Froxels cost the same at any picture size, all others by the pixel.
+        const bool by_pixel = method_base(contender.row.method) != "froxel";
+        contender.estimate = by_pixel ? pilot * pixels / pilot_pixels : pilot;
+        if (contender.estimate < kWarmUpSeconds)
+            contender.estimate = seconds_of(stage.frame, stage.fogged);
     }
 }
 
@@ -269,14 +276,10 @@ void Measurement::fill_accuracy(Contender& contender, const Truth& truth, const 
                                 const Scene& scene) const {
     const Gl& gl = context_.gl();
     const GLuint target = stage.fine.framebuffer.name();
-    const auto drawn = [&] {
-        return read_texture(gl, stage.fine.texture.name(), stage.size.width, stage.size.height, 4);
-    };
     contender.pass.draw_optical_depth(stage.frame, scene.camera, target);
-    const Image tau = drawn();
-    contender.pass.draw_colour(stage.frame, scene.camera, target);
-    const Accuracy accuracy =
-        measure_accuracy(truth, tau, drawn(), stage.scene_colour, scene.fog_colour);
+    const Image tau =
+        read_texture(gl, stage.fine.texture.name(), stage.size.width, stage.size.height, 4);
+    const Accuracy accuracy = measure_accuracy(truth, tau, stage.scene_colour, scene.fog_colour);
     Row& row = contender.row;
     row.max_dT = accuracy.max_dT;
     row.p99_dT = accuracy.p99_dT;
@@ -285,29 +288,33 @@ void Measurement::fill_accuracy(Contender& contender, const Truth& truth, const 
     row.ssim = accuracy.ssim;
 }
 
-void Measurement::plan_frames(const Group& group, std::vector<Contender>& contenders,
-                              double seconds, Results& results) const {
+void Measurement::plan_frames(std::vector<Contender>& contenders, double seconds,
+                              Results& results) const {
     std::vector<Contender*> by_cost;
     for (Contender& contender : contenders) by_cost.push_back(&contender);
     std::stable_sort(by_cost.begin(), by_cost.end(),
                      [](auto* a, auto* b) { return a->estimate < b->estimate; });
-    // The cheap ones take what they need; what they leave is shared among the dearer ones.
+    // First a timed frame and one for the errors of as many cases as fit, the cheapest before all.
     double left = seconds;
-    for (std::size_t i = 0; i < by_cost.size(); ++i) {
-        Contender& contender = *by_cost[i];
-        const double estimate = std::max(contender.estimate, 1e-6);
-        int frames = options_.frames.value_or(
-            std::clamp(int(std::min(kCaseSeconds / estimate, 1e6)), kLeastFrames, kFrames));
-        const double share = left / double(by_cost.size() - i);
-        const double affordable = share / estimate - kOtherFrames;
-        if (affordable < frames) frames = affordable >= 1 ? int(affordable) : 0;
-        if (frames == 0 && share * 2 > estimate * (kOtherFrames + 1)) frames = 1;
-        contender.frames = frames;
-        if (frames > 0)
-            left -= (frames + kOtherFrames) * estimate;
-        else
-            results.cut.push_back(fmt::format("{}: {}: a frame takes {:.2g} s", group.name,
-                                              label(contender.row), estimate));
+    std::vector<Contender*> fitting;
+    for (Contender* contender : by_cost)
+        if (2 * contender->estimate <= left) {
+            contender->frames = 1;
+            left -= 2 * contender->estimate;
+            fitting.push_back(contender);
+        } else {
+            results.cut.push_back(fmt::format("{}: a frame takes about {:.2g} s",
+                                              label(contender->row), contender->estimate));
+        }
+    // Then more frames: what the cheap ones do not need is shared among the dearer ones.
+    for (std::size_t i = 0; i < fitting.size(); ++i) {
+        const double cost = std::max(fitting[i]->estimate, 1e-6);
+        const int wanted = options_.frames.value_or(
+            std::clamp(int(std::min(kCaseSeconds / cost, 1e6)), kLeastFrames, kFrames));
+        const double share = left / double(fitting.size() - i);
+        const int more = std::min(wanted - 1, int(std::min(share / cost, 1e6)));
+        fitting[i]->frames += more;
+        left -= more * cost;
     }
 }
 
@@ -321,10 +328,7 @@ void Measurement::take_turns(const Group& group, std::vector<Contender>& contend
         return timer.time([&] { contender.pass.draw_colour(stage.frame, camera, target); });
     };
     int rounds = 0;
-    for (Contender& contender : contenders) {
-        rounds = std::max(rounds, contender.frames);
-        if (contender.frames >= kLeastFrames) draw(contender);  // warm-up at full size
-    }
+    for (const Contender& contender : contenders) rounds = std::max(rounds, contender.frames);
     const double done_before = done_;
     for (int round = 0; round < rounds; ++round)
         for (std::size_t k = 0; k < contenders.size(); ++k) {

@@ -64,8 +64,7 @@ class Measurement {
                               std::vector<FogTextures>& textures) const;
     void estimate(std::vector<Contender>& contenders, const Stage& stage,
                   const Camera& camera) const;
-    void plan_frames(const Group& group, std::vector<Contender>& contenders, double seconds,
-                     Results& results) const;
+    void plan_frames(std::vector<Contender>& contenders, double seconds, Results& results) const;
     void take_turns(const Group& group, std::vector<Contender>& contenders, const Stage& stage,
                     double seconds);
     void fill_times(Contender& contender, std::optional<double>& homogeneous_ms) const;

@@ -1,7 +1,5 @@
 #include "bench/plan.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -11,7 +9,10 @@
 namespace wavefog::cli {
 namespace {
 
-const std::vector<double> paper_mus = {1, 0.8, 0.6, 0.4, 0.2, 0};
+// The chart's picture: froxels cost the same at any size, so a small one would wrong them.
+constexpr Size chart_size = {800, 600};
+
+const std::vector<double> chart_mus = {1, 0.95, 0.9, 0.8, 0.6, 0.4, 0.2, 0};
 
 /// What does not depend on mu is measured once.
 bool uses_mu(MethodKind kind) {
@@ -34,14 +35,8 @@ void add_cases(Group& group, std::size_t variant, const std::vector<Method>& met
         }
 }
 
-Result<Group> start_group(const std::vector<BenchScene>& scenes, std::size_t scene,
-                          const PlanOptions& options) {
-    const Scene& loaded = scenes[scene].scene;
-    return Group{scenes[scene].name,
-                 scene,
-                 options.size.value_or(Size{loaded.width, loaded.height}),
-                 {},
-                 {}};
+Group start_group(const std::vector<BenchScene>& scenes, std::size_t scene, const Size& size) {
+    return {scenes[scene].name, scene, size, {}, {}};
 }
 
 /// One variant a level count (the scene's own without --levels), all methods and mus on each.
@@ -50,18 +45,19 @@ Result<std::vector<Group>> plan_list(const std::vector<BenchScene>& scenes,
                                      const std::vector<double>& mus) {
     std::vector<Group> groups;
     for (std::size_t i = 0; i < scenes.size(); ++i) {
-        Result<Group> group = start_group(scenes, i, options);
-        if (!group) return tl::unexpected(group.error());
+        const Scene& scene = scenes[i].scene;
+        Group group =
+            start_group(scenes, i, options.size.value_or(Size{scene.width, scene.height}));
         std::vector<VariantOptions> variants(std::max<std::size_t>(options.levels.size(), 1));
         for (std::size_t k = 0; k < options.levels.size(); ++k)
             variants[k].levels = options.levels[k];
         for (const VariantOptions& wanted : variants) {
             Result<Variant> variant = make_variant(scenes[i], wanted);
             if (!variant) return tl::unexpected(variant.error());
-            group->variants.push_back(*std::move(variant));
-            add_cases(*group, group->variants.size() - 1, methods, mus);
+            group.variants.push_back(*std::move(variant));
+            add_cases(group, group.variants.size() - 1, methods, mus);
         }
-        groups.push_back(*std::move(group));
+        groups.push_back(std::move(group));
     }
     return groups;
 }
@@ -78,23 +74,22 @@ Result<std::vector<Group>> plan_chart(const std::vector<BenchScene>& scenes,
                              "march:256", "march:512", "froxel:80x45x32", "froxel:160x90x64",
                              "froxel:240x135x64", "froxel:320x180x128"})
             : std::vector<Method>{};
-    const auto mus = options.mus.empty() ? paper_mus : options.mus;
+    const auto mus = options.mus.empty() ? chart_mus : options.mus;
     const auto levels = options.levels.empty() ? std::vector<int>{3, 1, 2, 4, 5} : options.levels;
     std::vector<Group> groups;
     for (std::size_t i = 0; i < scenes.size(); ++i) {
-        Result<Group> group = start_group(scenes, i, options);
-        if (!group) return tl::unexpected(group.error());
+        Group group = start_group(scenes, i, options.size.value_or(chart_size));
         for (std::size_t k = 0; k < levels.size(); ++k) {
             VariantOptions wanted;
             wanted.levels = levels[k];
             Result<Variant> variant = make_variant(scenes[i], wanted);
             if (!variant) return tl::unexpected(variant.error());
-            group->variants.push_back(*std::move(variant));
+            group.variants.push_back(*std::move(variant));
             // The whole sweep over mu at the first level count, the ends of it at the others.
-            add_cases(*group, k, wavelet_methods, k == 0 ? mus : std::vector<double>{0.6, 0});
-            if (k == 0) add_cases(*group, 0, baselines, {1});
+            add_cases(group, k, wavelet_methods, k == 0 ? mus : std::vector<double>{0.6, 0});
+            if (k == 0) add_cases(group, 0, baselines, {1});
         }
-        groups.push_back(*std::move(group));
+        groups.push_back(std::move(group));
     }
     return groups;
 }
