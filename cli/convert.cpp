@@ -116,8 +116,9 @@ Result<void> check_description(const fs::path& output) {
 std::vector<fs::path> written_files(const fs::path& output) {
     const fs::path description = description_of(output);
     std::ifstream stream(description);
+    const Facts facts = Facts::parse(stream);
     std::vector<fs::path> files;
-    for (const auto& texture : Facts::parse(stream).at("textures"))
+    for (const auto& texture : facts.at("textures"))
         files.push_back(output.parent_path() / texture.at("image").get<std::string>());
     files.push_back(description);
     return files;

@@ -33,7 +33,8 @@ TEST_CASE("convert says what it wrote, and engines can open it") {
     CHECK(facts["rect"] == json({-20.0, -10.0, 17.0, 13.0}));
     CHECK(facts["extinction"] == 0.05);
     CHECK(facts["profile"] == "exponential:0,8");
-    CHECK(facts["bytes"].get<int>() > 0);
+    CHECK(facts["wrote"] == json({"fog.exr", "fog.json"}));
+    CHECK(facts["bytes"] == file_size(work.path("fog.exr")) + file_size(work.path("fog.json")));
     CHECK(work.files() == std::set<std::string>{"map.png", "fog.exr", "fog.json"});
     CHECK_NOTHROW(json::parse(work.read_text("fog.json")));
 
@@ -58,6 +59,8 @@ TEST_CASE("convert writes every layout and precision, and decode finds the map i
                     const json facts =
                         convert(work, {"map.png", "-o", "fog.exr", "--layout", layout,
                                        "--precision", precision, "--basis", basis, "--form", form});
+                    CHECK(facts["wrote"].size() ==
+                          (std::string(layout) == "levels" ? facts["levels"].get<int>() + 1 : 2));
                     for (const json& file : facts["wrote"])
                         CHECK(std::filesystem::exists(work.path(file.get<std::string>())));
                     const RunResult decoded = work.run({"decode", "fog.exr", "-o", "back.tif"});
