@@ -1,5 +1,7 @@
 #include "bench/plan.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <sstream>
