@@ -74,15 +74,15 @@ FogMoments fog_moments(float e0, float e1) {
     return h;
 }
 
-// Mean of density * h on the segment with midpoint m and half extent d.
-float fog_mean(FogCell cell, vec2 m, vec2 d, FogMoments h) {
+// Mean of density * h on the segment with midpoint m and half extent d; area = d.x d.y.
+float fog_mean(FogCell cell, vec2 m, vec2 d, float area, FogMoments h) {
 #if FOG_DEGREE == 0
     return cell.c.x * h.m0;
 #elif FOG_DEGREE == 1
     float du = cell.c.y + cell.c.w * m.y;
     float dv = cell.c.z + cell.c.w * m.x;
     return (cell.c.x + cell.c.y * m.x + m.y * dv) * h.m0 + (d.x * du + d.y * dv) * h.m1 +
-           cell.c.w * (d.x * d.y) * h.m2;
+           cell.c.w * area * h.m2;
 #else
     // Each row is a + b s + c s^2 along the segment; v = m.y + d.y s.
     vec3 a = vec3(cell.row0.x, cell.row1.x, cell.row2.x);

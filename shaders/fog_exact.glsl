@@ -7,21 +7,24 @@
 // (fog_cell.glsl) and clamped at 0, because approximations of degree >= 1 can be negative. The walk
 // stops when the remaining transmittance cannot be seen.
 
-// Cell k (counted from the base cell) of a level. Every level has a border of empty texels, so that
-// rounding at the box's faces reads nothing strange.
-FogCell fog_fetch(ivec4 level, vec2 index) {
+// The cell of a level; `texel` counts texels of the atlas (of cells for degree 2, which has three side by
+// side). Every level has a border of empty texels, so that rounding at the box's faces reads nothing
+// strange.
+FogCell fog_fetch(ivec4 level, vec2 texel) {
+    FogCell cell;
 #ifdef FOG_REPEAT
     vec2 period = vec2(float(level.z), float(level.w));
-    index = index - period * floor((index + 0.5f) / period);
+    vec2 first = vec2(FOG_DEGREE == 2 ? 0.0f : float(level.x), float(level.y));
+    texel = texel - period * floor((texel - first + 0.5f) / period);
 #endif
-    FogCell cell;
 #if FOG_DEGREE == 2
-    ivec2 p = ivec2(level.x + 3 * int(index.x), level.y + int(index.y));
+    // One cell on, so that the border's -1 is not truncated to 0.
+    ivec2 p = ivec2(level.x + 3 * int(texel.x + 1.0f) - 3, int(texel.y));
     cell.row0 = texelFetch(fog_cells, p, 0);
     cell.row1 = texelFetch(fog_cells, ivec2(p.x + 1, p.y), 0);
     cell.row2 = texelFetch(fog_cells, ivec2(p.x + 2, p.y), 0);
 #else
-    cell.c = texelFetch(fog_cells, ivec2(level.x + int(index.x), level.y + int(index.y)), 0);
+    cell.c = texelFetch(fog_cells, ivec2(int(texel.x), int(texel.y)), 0);
 #endif
     return cell;
 }
@@ -39,10 +42,12 @@ float fog_walk(FogRay ray, int l, float from, float to, float enough) {
              per_level;
     vec2 g = ray.slope * per_level;
     vec2 half_g = 0.5f * g;
+    float twist = half_g.x * half_g.y;
     vec2 per_cell = vec2(g.x == 0.0f ? FOG_FAR : 1.0f / g.x, g.y == 0.0f ? FOG_FAR : 1.0f / g.y);
     vec2 forward = vec2(g.x < 0.0f ? -1.0f : 1.0f, g.y < 0.0f ? -1.0f : 1.0f);
     // t at which the ray leaves column k is (k + face) per_cell.
     vec2 face = max(forward, vec2(0.0f)) - o;
+    vec2 first = base + vec2(FOG_DEGREE == 2 ? 0.0f : float(level.x), float(level.y));
     vec2 k = floor(o + g * from);
 #ifdef FOG_LAYERED
     float up = ray.rise < 0.0f ? -1.0f : 1.0f;
@@ -54,8 +59,8 @@ float fog_walk(FogRay ray, int l, float from, float to, float enough) {
 
     float t = from;
     float sum = 0.0f;
-    while (t < to && sum <= enough) {
-        FogCell cell = fog_fetch(level, k + base);
+    while (t < to) {
+        FogCell cell = fog_fetch(level, k + first);
 #ifdef FOG_SKIP
         // The square of cells k - radius .. k + radius is empty.
         float radius = max(-FOG_EMPTY - FOG_FIRST(cell), 0.0f);
@@ -67,7 +72,6 @@ float fog_walk(FogRay ray, int l, float from, float to, float enough) {
 #ifdef FOG_LAYERED
         next = min(next, plane_t);
 #endif
-        next = max(next, t);
         float dt = next - t;
         vec2 m = o + half_g * (t + next) - k;
 #ifdef FOG_LAYERED
@@ -75,7 +79,7 @@ float fog_walk(FogRay ray, int l, float from, float to, float enough) {
 #else
         FogMoments h = fog_moments(0.0f, 0.0f);
 #endif
-        sum += max(fog_mean(cell, m, half_g * dt, h), 0.0f) * dt;
+        sum += max(fog_mean(cell, m, half_g * dt, twist * (dt * dt), h), 0.0f) * dt;
 
         // A crossed face gives the new index exactly; after a long step the other axis is looked up,
         // inside the square.
@@ -91,7 +95,7 @@ float fog_walk(FogRay ray, int l, float from, float to, float enough) {
         plane = plane_t <= next ? plane + up : plane;
         plane_t = plane < 0.0f || ray.rise == 0.0f ? FOG_FAR : (plane - ray.eta) * per_rise;
 #endif
-        t = next;
+        t = sum > enough ? to : next;
     }
     return sum;
 }
