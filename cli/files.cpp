@@ -60,12 +60,17 @@ std::string extension_of(const fs::path& file) {
 Result<TextOutput> TextOutput::create(const fs::path& file) {
     TextOutput output;
     output.file_ = file;
-    output.temporary_ = file;
-    output.temporary_ += fmt::format(".tmp-{}", getpid());
-    output.stream_.open(output.temporary_, std::ios::binary | std::ios::trunc);
+    std::error_code code;
+    const bool in_place = fs::is_other(file, code);
+    if (!in_place) {
+        output.temporary_ = file;
+        output.temporary_ += fmt::format(".tmp-{}", getpid());
+    }
+    const fs::path& opened = in_place ? output.file_ : output.temporary_;
+    output.stream_.open(opened, std::ios::binary | std::ios::trunc);
     if (!output.stream_)
         return data_error(fmt::format("{}: cannot be created ({}); choose another place",
-                                      output.temporary_.string(), std::strerror(errno)));
+                                      opened.string(), std::strerror(errno)));
     return output;
 }
 
@@ -84,7 +89,7 @@ TextOutput::~TextOutput() {
 Result<void> TextOutput::commit() {
     stream_.close();
     std::error_code code;
-    if (!stream_.fail()) fs::rename(temporary_, file_, code);
+    if (!stream_.fail() && !temporary_.empty()) fs::rename(temporary_, file_, code);
     if (stream_.fail() || code)
         return data_error(fmt::format("{}: cannot be written ({}); is the disk full?",
                                       file_.string(),

@@ -23,9 +23,10 @@ Result<void> check_output(const std::filesystem::path& file,
 std::string extension_of(const std::filesystem::path& file);
 
 /// A text file written beside its final place and renamed on commit(); removed if that never comes.
+/// A device or a pipe is written to in place, since a file renamed to its name would replace it.
 class TextOutput {
   public:
-    /// Opens FILE.tmp-PID.
+    /// Opens FILE.tmp-PID, or FILE itself if it is a device or a pipe.
     static Result<TextOutput> create(const std::filesystem::path& file);
     TextOutput(TextOutput&& other) noexcept;
     TextOutput& operator=(TextOutput&&) = delete;
@@ -38,7 +39,7 @@ class TextOutput {
     TextOutput() = default;
 
     std::filesystem::path file_;
-    std::filesystem::path temporary_;  ///< empty once renamed
+    std::filesystem::path temporary_;  ///< empty once renamed, and if written in place
     std::ofstream stream_;
 };
 

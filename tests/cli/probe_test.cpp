@@ -89,6 +89,18 @@ TEST_CASE("probe reads a pipe and writes a pipe, with all 17 digits") {
     CHECK(again.str() == digits);
 }
 
+TEST_CASE("probe writes to a device or a named pipe without replacing it") {
+    const Workspace work;
+    work.write_floats("map.tif", 1, 1, {1});
+    const RunResult result = work.shell(
+        "mkfifo pipe; cat pipe >copy & "
+        "echo 0,0,0.5,1,0,0.5 | \"$WAVEFOG\" probe map.tif --rays - -o pipe && wait && test -p "
+        "pipe");
+    REQUIRE_MESSAGE(result.status == 0, result.err);
+    CHECK(work.read_text("copy").starts_with("0,0,0.5,1,0,0.5,"));
+    CHECK(work.files() == std::set<std::string>{"map.tif", "pipe", "copy"});
+}
+
 TEST_CASE("several fogs add up, and a picture is a fog too") {
     const Workspace work;
     work.write_floats("map.tif", 2, 2, {1, 1, 1, 1});
