@@ -56,8 +56,7 @@ struct Check {
         if (bytes > static_cast<double>(max_bytes))
             return data_error(
                 fmt::format("{}: {:.0f} x {:.0f} pixels need {:.0f} MiB, above the limit of {:.0f} "
-                            "MiB; scale the "
-                            "picture down or raise the limit",
+                            "MiB; scale the picture down",
                             file, width, height, bytes / (1 << 20),
                             static_cast<double>(max_bytes) / (1 << 20)));
         return {};

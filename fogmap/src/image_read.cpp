@@ -69,7 +69,7 @@ Result<Source> open_source(const fs::path& file, std::size_t max_bytes, bool all
     if (bytes > static_cast<double>(max_bytes))
         return data_error(
             fmt::format("{}: {} x {} pixels need {:.0f} MiB, above the limit of {:.0f} MiB; "
-                        "scale the picture down or raise the limit",
+                        "scale the picture down",
                         file.string(), spec.width, spec.height, bytes / (1 << 20),
                         static_cast<double>(max_bytes) / (1 << 20)));
     if (source.input->seek_subimage(1, 0))
@@ -271,7 +271,7 @@ Result<Fogmap> read_map(const fs::path& file, const ReadOptions& options) {
     if (bad.count > 0 && !options.sanitize)
         return data_error(fmt::format(
             "{}: pixel ({}, {}) is {}, {} such pixel{} in all; a fogmap is finite "
-            "and not negative: --sanitize turns them into 0",
+            "and not negative: --sanitize (in a scene \"sanitize\": true) turns them into 0",
             file.string(), bad.x, bad.y, bad.value, bad.count, bad.count == 1 ? "" : "s"));
     map.sanitized = bad.count;
     return map;
