@@ -211,7 +211,8 @@ Command add_convert(CLI::App& root) {
         [](const std::string& text) {
             return parse_choice(text, {"float", "half"}).map([](int i) { return i == 1; });
         },
-        "half|float", "Bits of a coefficient: 16, rounded so that fog stays >= 0, or 32 (float)");
+        "half|float",
+        "Bits of a coefficient: 16, in --form scaling rounded so that fog stays >= 0, or 32 (float)");
     add_choice(*app, "--layout", options->layout, {"atlas", "levels", "parts"},
                "One RGBA picture, one file a level, or one multi-part file (atlas)");
     add_parsed(

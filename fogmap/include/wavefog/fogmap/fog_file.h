@@ -17,7 +17,7 @@ enum class Layout {
 };
 
 struct SaveOptions {
-    bool half = false;  ///< float16, residuals closed-loop and rounded up so density stays >= 0
+    bool half = false;  ///< float16; Form::scaling: closed-loop, rounded up, density stays >= 0
     Layout layout = Layout::atlas;
     /// Samples an edge of the path-integral tables (paper 004, 4.3) that join Layout::parts as float
     /// parts "whole_paths" and "partial_paths"; 0: none. The description's "path_table" says how they
