@@ -11,10 +11,12 @@ struct Axis {
     std::string label;  ///< with the unit
     bool log = true;
     double low = 0, high = 0;  ///< equal: from the data
+    double step = 0;           ///< between numbers; 0: chosen by gnuplot
 };
 
 struct Curve {
-    enum class Style { line, points, dashed };
+    /// line and dashed have markers, plain has none.
+    enum class Style { line, points, dashed, plain };
     std::string name;  ///< in the legend; empty: none
     std::string key;   ///< chooses colour and marker: a method, a family (gnuplot.cpp)
     Style style = Style::line;

@@ -26,20 +26,30 @@ struct Look {
 };
 
 // One look for a method and for a family in all charts. Unstable families are dashed and warm.
-constexpr Look kLooks[] = {{"exact", "#0072B2", 7, 1},         {"paper", "#D55E00", 5, 1},
-                           {"paper-scaling", "#E69F00", 9, 1}, {"march", "#009E73", 13, 1},
-                           {"froxel", "#CC79A7", 11, 1},       {"homogeneous", "#000000", 2, 1},
-                           {"reference", "#56B4E9", 3, 1},     {"1,1", "#000000", 7, 1},
-                           {"2,2", "#0072B2", 5, 1},           {"3,3", "#009E73", 9, 1},
-                           {"3,5", "#56B4E9", 11, 1},          {"4,6", "#CC79A7", 13, 1},
-                           {"positive", "#56B4E9", 15, 1},     {"2,0", "#E69F00", 4, 2},
-                           {"3,1", "#D55E00", 8, 2},           {"4,4", "#E69F00", 10, 4},
+constexpr Look kLooks[] = {{"exact", "#0072B2", 7, 1},
+                           {"paper", "#D55E00", 5, 1},
+                           {"paper-scaling", "#E69F00", 9, 1},
+                           {"march", "#009E73", 13, 1},
+                           {"march on a fine map", "#009E73", 4, 2},
+                           {"march on a finer map", "#009E73", 8, 4},
+                           {"froxel", "#CC79A7", 11, 1},
+                           {"homogeneous", "#000000", 2, 1},
+                           {"reference", "#56B4E9", 3, 1},
+                           {"1,1", "#000000", 7, 1},
+                           {"2,2", "#0072B2", 5, 1},
+                           {"3,3", "#009E73", 9, 1},
+                           {"3,5", "#56B4E9", 11, 1},
+                           {"4,6", "#CC79A7", 13, 1},
+                           {"positive", "#CC79A7", 15, 1},
+                           {"2,0", "#E69F00", 4, 2},
+                           {"3,1", "#D55E00", 8, 2},
+                           {"4,4", "#E69F00", 10, 4},
                            {"4,2", "#D55E00", 12, 4}};
 constexpr Look kOtherLook = {"", "#7F7F7F", 6, 1};
 constexpr const char* kGrey = "#595959";
 constexpr double kWidth = 1200, kHeight = 800;  // pixels
 // Edges of the plot, as shares of the picture.
-constexpr double kLeft = 0.11, kRight = 0.86, kBottom = 0.22, kTop = 0.86, kTopWithAxis = 0.80;
+constexpr double kLeft = 0.11, kRight = 0.86, kBottom = 0.24, kTop = 0.86, kTopWithAxis = 0.80;
 
 const Look& look_of(const std::string& key) {
     for (const Look& look : kLooks)
@@ -195,6 +205,7 @@ class NotePlacer {
 std::string axis_commands(const Axis& axis, const char* name, const Range& range) {
     std::string text = fmt::format("set {}label {}\nset {}range [{:g}:{:g}]\n", name,
                                    quoted(axis.label), name, range.low, range.high);
+    if (axis.step > 0) text += fmt::format("set {}tics {:g}\n", name, axis.step);
     if (axis.log) {
         const bool powers = range.low < 1e-3 || range.high > 3e4;
         text += fmt::format("set logscale {}\nset format {} {}\n", name, name,
@@ -214,8 +225,10 @@ std::string plot_clause(const Curve& curve, std::size_t index) {
             return fmt::format("$d{} with points pt {} ps 0.8 lw 1.5 lc rgb '{}' {}", index,
                                look.marker, look.colour, title);
         case Curve::Style::dashed:
-            return fmt::format("$d{} with linespoints pt {} ps 1.3 lw 2.5 dt 3 lc rgb '{}' {}",
+            return fmt::format("$d{} with linespoints pt {} ps 1.3 lw 2.5 dt 2 lc rgb '{}' {}",
                                index, look.marker, look.colour, title);
+        case Curve::Style::plain:
+            return fmt::format("$d{} with lines lw 3 lc rgb '{}' {}", index, look.colour, title);
         case Curve::Style::line:
             break;
     }
@@ -278,7 +291,7 @@ std::string gnuplot_program(const Figure& figure, const std::string& terminal,
                             quoted(figure.subtitle), kGrey);
     text += axis_commands(figure.x, "x", x) + axis_commands(figure.y, "y", y);
     if (!figure.top_label.empty()) {
-        const Axis top{figure.top_label, figure.x.log, 0, 0};
+        const Axis top{figure.top_label, figure.x.log};
         text += axis_commands(top, "x2", {x.low * figure.top_factor, x.high * figure.top_factor});
         text += "set x2tics\nset x2label offset 0,-0.6\nset border 7\n";
     }

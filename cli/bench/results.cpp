@@ -40,19 +40,23 @@ void read_value(const Facts& object, const char* key, T& value) {
 }
 
 Facts axis_json(const Axis& axis) {
-    return {{"label", axis.label}, {"log", axis.log}, {"low", axis.low}, {"high", axis.high}};
+    return {{"label", axis.label},
+            {"log", axis.log},
+            {"low", axis.low},
+            {"high", axis.high},
+            {"step", axis.step}};
 }
 
 Axis axis_from(const Facts& json) {
-    return {json.at("label"), json.at("log"), json.at("low"), json.at("high")};
+    return {json.at("label"), json.at("log"), json.at("low"), json.at("high"), json.at("step")};
 }
 
-constexpr const char* style_names[] = {"line", "points", "dashed"};
+constexpr const char* style_names[] = {"line", "points", "dashed", "plain"};
 
 Curve::Style style_from(const std::string& name) {
-    for (int i = 0; i < 3; ++i)
+    for (int i = 0; i < 4; ++i)
         if (name == style_names[i]) return static_cast<Curve::Style>(i);
-    throw std::out_of_range("style '" + name + "' is not line, points or dashed");
+    throw std::out_of_range("style '" + name + "' is not line, points, dashed or plain");
 }
 
 Facts figure_json(const Figure& figure) {
