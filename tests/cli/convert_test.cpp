@@ -59,8 +59,11 @@ TEST_CASE("convert writes every layout and precision, and decode finds the map i
                     const json facts =
                         convert(work, {"map.png", "-o", "fog.exr", "--layout", layout,
                                        "--precision", precision, "--basis", basis, "--form", form});
-                    CHECK(facts["wrote"].size() ==
-                          (std::string(layout) == "levels" ? facts["levels"].get<int>() + 1 : 2));
+                    // The wavelet form packs the approximation with level 1.
+                    int images = 1;
+                    if (std::string(layout) == "levels")
+                        images = facts["levels"].get<int>() + (std::string(form) == "scaling");
+                    CHECK(int(facts["wrote"].size()) == images + 1);
                     for (const json& file : facts["wrote"])
                         CHECK(std::filesystem::exists(work.path(file.get<std::string>())));
                     const RunResult decoded = work.run({"decode", "fog.exr", "-o", "back.tif"});
