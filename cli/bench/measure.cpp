@@ -39,12 +39,6 @@ std::string label(const Row& row) {
                        row.map_height, row.basis, row.levels, row.method, row.mu);
 }
 
-std::size_t bytes_of(const std::vector<FogTextures>& textures) {
-    std::size_t bytes = 0;
-    for (const FogTextures& made : textures) bytes += made.bytes();
-    return bytes;
-}
-
 }  // namespace
 
 Method homogeneous_method() {
@@ -173,7 +167,7 @@ Result<void> Measurement::run_group(const Group& group, double seconds, Results&
             results.skipped.push_back(label(row) + ": " + pass.error().message);
             return;
         }
-        row.bytes = method.kind == MethodKind::homogeneous ? 0 : bytes_of(textures[variant]);
+        row.bytes = pass->bytes();
         contenders.push_back({variant, *std::move(pass), std::move(row), 0, 0, {}, {}});
     };
     enter(0, homogeneous_method());

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "fogmap/fog_support.h"
+#include "glsl_in_cpp.h"
 #include "gpu/fog_picture.h"
 
 using namespace wavefog;
@@ -170,4 +171,24 @@ TEST_CASE("fog pass: reference is not a GPU method, degree 3 is not drawn") {
     const auto textures = FogTextures::create(context.gl(), cubic);
     REQUIRE(!textures.has_value());
     CHECK(textures.error().message.find("degree 3") != std::string::npos);
+}
+
+TEST_CASE("fog pass: the driver lays the uniform blocks out as the C++ structs") {
+    Context& context = osmesa();
+    const Gl& gl = context.gl();
+    const auto program =
+        build_program(gl, "post_fullscreen.vert", "fog_pass.frag",
+                      {"FOG_METHOD 4", "FOG_DEGREE 1", "FOG_PROFILE 0", "FOG_OUTPUT_TAU"});
+    REQUIRE_MESSAGE(program.has_value(), (program ? "" : program.error().message));
+    const auto size_of = [&](const char* name) {
+        const GLuint index = gl.GetUniformBlockIndex(program->name(), name);
+        REQUIRE(index != GL_INVALID_INDEX);
+        GLint bytes = 0;
+        gl.GetActiveUniformBlockiv(program->name(), index, GL_UNIFORM_BLOCK_DATA_SIZE, &bytes);
+        return static_cast<std::size_t>(bytes);
+    };
+    // Members are vec4, ivec4 or arrays of them, so equal sizes mean equal std140 offsets.
+    CHECK(size_of("FogBlock") == sizeof(shader::FogBlock));
+    CHECK(size_of("ViewBlock") == sizeof(shader::ViewBlock));
+    CHECK(size_of("PaperBlock") == sizeof(shader::PaperBlock));
 }
