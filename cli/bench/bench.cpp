@@ -130,7 +130,7 @@ Command add_bench(CLI::App& root) {
         "Timed frames of each method (40, fewer where a frame is slow)");
     add_parsed(
         *app, "--budget", options->measure.seconds,
-        [](const std::string& text) { return parse_number_in(text, 1, 1e6); }, "SECONDS",
+        [](const std::string& text) { return parse_number_in(text, 0.001, 1e6); }, "SECONDS",
         "Take about this long and tell what was left out (chart and paper-tables: 780)");
     app->add_option("--context", options->context,
                     "OpenGL by osmesa (no display, no GPU) or egl (a GPU without a display) "

@@ -17,6 +17,7 @@ namespace {
 
 constexpr int kLeastFrames = 5;       // of a slow case, if the time allows
 constexpr double kCaseSeconds = 8;    // for a slow case, if nothing else bounds it
+constexpr double kPlanned = 0.8;      // of a group's time: one pilot frame says little
 constexpr double kWarmUpSeconds = 2;  // dearer frames are timed without a warm-up at full size
 
 struct Output {
@@ -289,7 +290,7 @@ void Measurement::plan_frames(std::vector<Contender>& contenders, double seconds
     std::stable_sort(by_cost.begin(), by_cost.end(),
                      [](auto* a, auto* b) { return a->estimate < b->estimate; });
     // First a timed frame and one for the errors of as many cases as fit, the cheapest before all.
-    double left = seconds;
+    double left = kPlanned * seconds;
     std::vector<Contender*> fitting;
     for (Contender* contender : by_cost)
         if (2 * contender->estimate <= left) {

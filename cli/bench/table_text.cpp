@@ -30,6 +30,9 @@ std::string Table::text(bool markdown) const {
             if (widths.size() <= i) widths.push_back(3);
             widths[i] = std::max(widths[i], width(row[i]));
         }
+    const auto left = [&](std::size_t column) {
+        return column == 0 || (column < rows_[0].size() && rows_[0][column].empty());
+    };
     std::string text;
     for (std::size_t r = 0; r < rows_.size(); ++r) {
         std::string line = markdown ? "|" : "";
@@ -37,8 +40,8 @@ std::string Table::text(bool markdown) const {
             const std::string cell = i < rows_[r].size() ? rows_[r][i] : std::string();
             const std::string space(widths[i] - width(cell), ' ');
             if (markdown || i > 0) line += ' ';
-            line += i == 0 ? cell : space;
-            line += i == 0 ? space : cell;
+            line += left(i) ? cell : space;
+            line += left(i) ? space : cell;
             line += markdown ? " |" : " ";
         }
         line.erase(line.find_last_not_of(' ') + 1);
@@ -47,8 +50,8 @@ std::string Table::text(bool markdown) const {
             text += '|';
             for (std::size_t i = 0; i < widths.size(); ++i) {
                 text += ' ';
-                text.append(i == 0 ? widths[i] : widths[i] - 1, '-');
-                text += i == 0 ? " |" : ": |";
+                text.append(left(i) ? widths[i] : widths[i] - 1, '-');
+                text += left(i) ? " |" : ": |";
             }
             text += '\n';
         }

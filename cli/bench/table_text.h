@@ -12,7 +12,8 @@ class Table {
   public:
     explicit Table(std::vector<std::string> header) : rows_{std::move(header)} {}
     void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
-    /// The first column is aligned to the left, numbers to the right.
+    /// The first column and those without a title are aligned to the left, the others (numbers) to
+    /// the right.
     std::string text(bool markdown) const;
 
   private:
