@@ -26,6 +26,10 @@ std::string file_name(std::string text) {
     return text;
 }
 
+std::string levels_text(int levels) {
+    return fmt::format("{} level{}", levels, levels == 1 ? "" : "s");
+}
+
 /// What a point of a method's curve was set to.
 std::string knob_text(const Row& row) {
     if (const auto colon = row.method.find(':'); colon != std::string::npos) {
@@ -33,7 +37,7 @@ std::string knob_text(const Row& row) {
         return method_base(row.method) == "march" ? "N = " + value : value;
     }
     if (method_base(row.method) == "homogeneous") return "";
-    return row.mu == 1 ? "μ = 1" : fmt::format("μ = {}, {} levels", row.mu, row.levels);
+    return row.mu == 1 ? "μ = 1" : fmt::format("μ = {}, {}", row.mu, levels_text(row.levels));
 }
 
 /// Cost against error: all points of a method, and the curve of its best settings.
@@ -52,6 +56,14 @@ Figure error_figure(const std::vector<Row>& rows) {
         figure.top_label = "milliseconds";
         figure.top_factor = *first.ms_median;
     }
+    // Room for labels above the worst settings, which crowd at the top.
+    figure.y.low = kVisibleError / 2;
+    figure.y.high = kVisibleError;
+    for (const Row& row : rows)
+        if (row.max_dT && *row.max_dT > 0) {
+            figure.y.low = std::min(figure.y.low, *row.max_dT / 2);
+            figure.y.high = std::max(figure.y.high, *row.max_dT * 6);
+        }
     std::vector<std::string> order;
     std::map<std::string, std::vector<Row>> by_method;
     for (const Row& row : rows) {
@@ -94,7 +106,8 @@ Figure speed_figure(const std::vector<Row>& rows) {
     Figure figure;
     figure.id = "speed-" + file_name(first.group);
     figure.title = "Speed against detail: " + first.scene;
-    figure.x = {"μ (1: all details along the whole ray, 0: none)", false, 0, 1};
+    // Room on the left for the level counts beside the points at mu = 0.
+    figure.x = {"μ (1: all details along the whole ray, 0: none)", false, -0.17, 1.02, 0.2};
     figure.y.label = "frames a second (the fog pass alone)";
     figure.subtitle = fmt::format("{}×{} pixels", first.width, first.height);
     std::map<std::tuple<std::string, int, std::string, int>, Curve> curves;
@@ -109,7 +122,7 @@ Figure speed_figure(const std::vector<Row>& rows) {
         if (curve.points.size() < 3) continue;
         std::sort(curve.points.begin(), curve.points.end());
         figure.notes.push_back({curve.points.front().first, curve.points.front().second,
-                                fmt::format("{} levels", std::get<3>(key)), curve.key});
+                                levels_text(std::get<3>(key)), curve.key});
         figure.curves.push_back(std::move(curve));
     }
     // A key entry a method; the level counts stand beside the curves.

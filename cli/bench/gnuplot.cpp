@@ -129,7 +129,7 @@ class NotePlacer {
         const Pixel at = pixel(note.x, note.y);
         const auto letters = std::count_if(note.text.begin(), note.text.end(),
                                            [](char c) { return (c & 0xC0) != 0x80; });
-        const double width = 11.0 * double(letters), height = 24;
+        const double width = 11.0 * double(letters), height = 20;
         Box best;
         bool best_left = true;
         double least = 1e300;
