@@ -17,7 +17,25 @@ std::string error_number(const std::optional<double>& value) {
     return value ? fmt::format("{:.1e}", *value) : "-";
 }
 
+namespace {
+
+/// A bar inside a Markdown cell would end it.
+std::string escaped(const std::string& cell) {
+    std::string text;
+    for (const char c : cell) {
+        if (c == '|') text += '\\';
+        text += c;
+    }
+    return text;
+}
+
+}  // namespace
+
 std::string Table::text(bool markdown) const {
+    std::vector<std::vector<std::string>> rows = rows_;
+    if (markdown)
+        for (auto& row : rows)
+            for (auto& cell : row) cell = escaped(cell);
     std::vector<std::size_t> widths;
     // Counts characters, not bytes: all of ours are one column wide.
     const auto width = [](const std::string& cell) {
@@ -25,19 +43,19 @@ std::string Table::text(bool markdown) const {
             return (static_cast<unsigned char>(c) & 0xC0) != 0x80;
         }));
     };
-    for (const auto& row : rows_)
+    for (const auto& row : rows)
         for (std::size_t i = 0; i < row.size(); ++i) {
             if (widths.size() <= i) widths.push_back(3);
             widths[i] = std::max(widths[i], width(row[i]));
         }
     const auto left = [&](std::size_t column) {
-        return column == 0 || (column < rows_[0].size() && rows_[0][column].empty());
+        return column == 0 || (column < rows[0].size() && rows[0][column].empty());
     };
     std::string text;
-    for (std::size_t r = 0; r < rows_.size(); ++r) {
+    for (std::size_t r = 0; r < rows.size(); ++r) {
         std::string line = markdown ? "|" : "";
         for (std::size_t i = 0; i < widths.size(); ++i) {
-            const std::string cell = i < rows_[r].size() ? rows_[r][i] : std::string();
+            const std::string cell = i < rows[r].size() ? rows[r][i] : std::string();
             const std::string space(widths[i] - width(cell), ' ');
             if (markdown || i > 0) line += ' ';
             line += left(i) ? cell : space;
