@@ -118,8 +118,10 @@ std::vector<fs::path> written_files(const fs::path& output) {
     std::ifstream stream(description);
     const Facts facts = Facts::parse(stream);
     std::vector<fs::path> files;
-    for (const auto& texture : facts.at("textures"))
-        files.push_back(output.parent_path() / texture.at("image").get<std::string>());
+    for (const auto& texture : facts.at("textures")) {
+        const fs::path image = output.parent_path() / texture.at("image").get<std::string>();
+        if (files.empty() || files.back() != image) files.push_back(image);  // parts share a file
+    }
     files.push_back(description);
     return files;
 }
@@ -212,13 +214,14 @@ Command add_convert(CLI::App& root) {
             return parse_choice(text, {"float", "half"}).map([](int i) { return i == 1; });
         },
         "half|float",
-        "Bits of a coefficient: 16, in --form scaling rounded so that fog stays >= 0, or 32 (float)");
+        "Bits of a coefficient: 16, in --form scaling rounded so that fog stays >= 0, or 32 "
+        "(float)");
     add_choice(*app, "--layout", options->layout, {"atlas", "levels", "parts"},
                "One RGBA picture, one file a level, or one multi-part file (atlas)");
     add_parsed(
         *app, "--path-table", options->path_table,
-        [](const std::string& text) { return parse_integer_in(text, 2, 128); },
-        "N", "Add path-integral tables of N samples an edge, 2 to 128 (with --layout parts)");
+        [](const std::string& text) { return parse_integer_in(text, 2, 128); }, "N",
+        "Add path-integral tables of N samples an edge, 2 to 128 (with --layout parts)");
     add_choice(
         *app, "--path-layout", options->path_layout, {"mean", "perimeter"},
         "What the tables hold: mean density by pair of edges, or the integral itself (mean)");
