@@ -40,6 +40,27 @@ layout(std140) uniform PaperBlock {
 } paper;
 #endif
 
+// Method radial: what the table's columns and rows stand for (fog_radial.glsl).
+#ifdef __cplusplus
+struct RadialBlock {
+#else
+layout(std140) uniform RadialBlock {
+#endif
+    vec4 axis;     // xy: horizontal unit vector (x, z) of azimuth coordinate 0; z: 0 tangents, 1 wide
+    vec4 azimuth;  // coordinate of column 0, and per column; zw: texture u = z + w coordinate
+    vec4 radius;   // x: distance of row 0, m; y: of the last row less that; z: r0 and w: sqrt(r0) of
+                   // the rows' spacing, sqrt(L + r0) - sqrt(r0) = row * rows.x
+    vec4 rows;     // x: see above; zw: texture v = z + w sqrt(L + r0)
+    vec4 edge;     // least and largest texture u, v
+    vec4 detail;   // x: 1/m, level J - floor(log2(x distance)) serves at a distance; y: optical depth
+                   // of density 1 at which a column ends
+    ivec4 size;    // columns, rows
+#ifdef __cplusplus
+};
+#else
+} radial;
+#endif
+
 // The eye's rays. A clip-space point (x, y, depth, 1) comes back to camera-relative world metres as
 // the homogeneous point (1 - depth) * near(x, y) + depth * far(x, y): no cancellation at any depth
 // convention, unlike one inverse matrix applied to 2 * depth - 1.

@@ -12,6 +12,7 @@ precision highp sampler2D;
 #define FOG_METHOD_HOMOGENEOUS 2
 #define FOG_METHOD_NONE 3
 #define FOG_METHOD_PAPER 4
+#define FOG_METHOD_RADIAL 5
 
 #include "fog_block.glsl"
 
@@ -20,6 +21,7 @@ uniform sampler2D fog_map;         // the map itself, for march:N
 uniform sampler2D paper_bands;     // packed coefficients
 uniform sampler2D paper_paths;     // path-integral table, whole paths
 uniform sampler2D paper_partials;  // path-integral table, partial paths
+uniform sampler2D radial_table;    // of method radial
 uniform sampler2D scene_depth;
 uniform sampler2D scene_colour;
 uniform sampler2D previous_tau;
@@ -30,6 +32,8 @@ uniform sampler2D previous_tau;
 #include "fog_baselines.glsl"
 #if FOG_METHOD == FOG_METHOD_PAPER
 #include "fog_paper.glsl"
+#elif FOG_METHOD == FOG_METHOD_RADIAL
+#include "fog_radial.glsl"
 #endif
 
 layout(location = 0) out vec4 result;
@@ -58,6 +62,8 @@ float optical_depth(vec2 pixel, float depth) {
     }
 #if FOG_METHOD == FOG_METHOD_HOMOGENEOUS
     return fog_homogeneous(metres);
+#elif FOG_METHOD == FOG_METHOD_RADIAL
+    return fog_radial(path, metres);
 #elif FOG_METHOD == FOG_METHOD_NONE
     return 0.0f;
 #else

@@ -132,6 +132,9 @@ Command add_bench(CLI::App& root) {
         *app, "--budget", options->measure.seconds,
         [](const std::string& text) { return parse_number_in(text, 0.001, 1e6); }, "SECONDS",
         "Take about this long and tell what was left out (chart and paper-tables: 780)");
+    app->add_flag("--reuse", options->measure.reuse,
+                  "Let method radial keep its table, as a camera at rest does (it is filled anew "
+                  "each frame)");
     app->add_option("--context", options->context,
                     "OpenGL by osmesa (no display, no GPU) or egl (a GPU without a display) "
                     "(osmesa)")

@@ -237,6 +237,7 @@ void Measurement::estimate(std::vector<Contender>& contenders, const Stage& stag
     for (Contender& contender : contenders) {
         show_progress(label(contender.row));
         const auto seconds_of = [&](const FrameTarget& frame, const Output& output) {
+            if (!options_.reuse) contender.pass.forget();
             const auto draw = [&] {
                 contender.pass.draw_colour(frame, camera, output.framebuffer.name());
             };
@@ -320,6 +321,7 @@ void Measurement::take_turns(const Group& group, std::vector<Contender>& contend
     const GLuint target = stage.fogged.framebuffer.name();
     FrameTimer timer(context_.gl());
     const auto draw = [&](Contender& contender) {
+        if (!options_.reuse) contender.pass.forget();
         return timer.time([&] { contender.pass.draw_colour(stage.frame, camera, target); });
     };
     int rounds = 0;

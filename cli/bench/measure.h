@@ -36,6 +36,7 @@ struct Group {
 struct MeasureOptions {
     std::optional<int> frames;      ///< of each case; empty: kFrames, fewer where a frame is slow
     std::optional<double> seconds;  ///< the whole run's time
+    bool reuse = false;             ///< a method keeps its tables from frame to frame
 };
 
 inline constexpr int kFrames = 40;

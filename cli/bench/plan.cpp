@@ -18,7 +18,7 @@ const std::vector<double> chart_mus = {1, 0.95, 0.9, 0.8, 0.6, 0.4, 0.2, 0};
 
 /// What does not depend on mu is measured once.
 bool uses_mu(MethodKind kind) {
-    return kind == MethodKind::exact || kind == MethodKind::paper ||
+    return kind == MethodKind::exact || kind == MethodKind::radial || kind == MethodKind::paper ||
            kind == MethodKind::paper_scaling;
 }
 

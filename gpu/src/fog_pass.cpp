@@ -8,6 +8,7 @@
 #include "fog_textures.h"
 #include "froxel_volume.h"
 #include "paper_data.h"
+#include "radial_table.h"
 
 namespace wavefog {
 namespace {
@@ -23,6 +24,8 @@ int method_number(const Method& method, bool any_fog) {
         case MethodKind::paper:
         case MethodKind::paper_scaling:
             return 4;
+        case MethodKind::radial:
+            return 5;
         default:
             return 0;
     }
@@ -35,9 +38,10 @@ struct Sampler {
 };
 constexpr Sampler kSamplers[] = {{"fog_cells", 0},    {"fog_map", 1},       {"scene_depth", 2},
                                  {"scene_colour", 3}, {"previous_tau", 4},  {"paper_bands", 5},
-                                 {"paper_paths", 6},  {"paper_partials", 7}};
-constexpr GLint kUnits = 8;
-constexpr GLuint kFogBinding = 0, kViewBinding = 1, kPaperBinding = 2;
+                                 {"paper_paths", 6},  {"paper_partials", 7},
+                                 {"radial_table", 8}};
+constexpr GLint kUnits = 9;
+constexpr GLuint kFogBinding = 0, kViewBinding = 1, kPaperBinding = 2, kRadialBinding = 3;
 
 struct Target {
     Texture texture;
@@ -90,6 +94,7 @@ struct FogPass::Impl {
     std::vector<Program> add_tau;
     Program last_colour;
     std::vector<PaperTextures> paper;     ///< one a fog with the paper's methods, else none
+    std::vector<RadialTable> radial;      ///< one a fog with method radial, else none
     std::optional<FroxelVolume> froxels;  ///< draws instead of all this
     Buffer fog_uniforms, view_uniforms, paper_uniforms;
     VertexArray vertices;
@@ -125,6 +130,7 @@ struct FogPass::Impl {
         bind_block(program->name(), "FogBlock", kFogBinding);
         bind_block(program->name(), "ViewBlock", kViewBinding);
         bind_block(program->name(), "PaperBlock", kPaperBinding);
+        bind_block(program->name(), "RadialBlock", kRadialBinding);
         gl.UseProgram(0);
         return program;
     }
@@ -157,9 +163,25 @@ struct FogPass::Impl {
         }
     }
 
+    void update_radial(const FrameTarget& frame, const Camera& camera, double seconds) {
+        if (radial.empty()) return;
+        const auto view = radial_view(camera_matrices(camera, frame.width, frame.height), camera,
+                                      frame.width, frame.height);
+        const double limit = sky_limit(camera);
+        for (std::size_t i = 0; i < radial.size(); ++i) {
+            const auto& fog = *fogs[i]->impl_;
+            radial[i].update(
+                fog_block(fog.facts, camera.eye, method.mu, seconds, limit),
+                radial_block(fog.facts, camera.eye, view, seconds, limit,
+                             {method.radial[0], method.radial[1]}),
+                fog.cells.name());
+        }
+    }
+
     void draw(const FrameTarget& frame, const Camera& camera, GLuint output, double seconds,
               bool colour) {
         if (froxels) return froxels->draw(frame, camera, output, seconds, colour);
+        update_radial(frame, camera, seconds);
         const std::size_t count = std::max<std::size_t>(fogs.size(), 1);
         if (count > 1) make_partial_targets(frame.width, frame.height);
         const auto matrices = camera_matrices(camera, frame.width, frame.height);
@@ -187,6 +209,10 @@ struct FogPass::Impl {
                 bind_texture(5, paper[i].bands.name());
                 bind_texture(6, paper[i].paths.name());
                 bind_texture(7, paper[i].partials.name());
+            }
+            if (i < radial.size()) {
+                gl.BindBufferBase(GL_UNIFORM_BUFFER, kRadialBinding, radial[i].uniforms());
+                bind_texture(8, radial[i].texture());
             }
             if (i > 0) bind_texture(4, partial[(i - 1) % 2].texture.name());
             gl.DrawArrays(GL_TRIANGLES, 0, 3);
@@ -224,6 +250,12 @@ Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fo
             if (!textures) return tl::unexpected(textures.error());
             impl->paper.push_back(std::move(*textures));
         }
+    if (method.kind == MethodKind::radial)
+        for (const FogTextures* fog : impl->fogs) {
+            auto table = RadialTable::create(gl, fog->impl_->facts, method);
+            if (!table) return tl::unexpected(table.error());
+            impl->radial.push_back(std::move(*table));
+        }
     const std::size_t count = std::max<std::size_t>(impl->fogs.size(), 1);
     for (std::size_t i = 0; i < count; ++i) {
         auto program = impl->build(i, false);
@@ -246,15 +278,21 @@ Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fo
 std::size_t FogPass::bytes() const {
     std::size_t sum = impl_->froxels ? impl_->froxels->bytes() : 0;
     for (const auto& textures : impl_->paper) sum += textures.bytes;
+    for (const auto& table : impl_->radial) sum += table.bytes();
     for (const FogTextures* fog : impl_->fogs) {
         const auto& facts = fog->impl_->facts;
         const std::size_t map = sizeof(float) * static_cast<std::size_t>(facts.width) *
                                 static_cast<std::size_t>(facts.height);
-        if (impl_->method.kind == MethodKind::exact) sum += fog->bytes() - map;
+        if (impl_->method.kind == MethodKind::exact || impl_->method.kind == MethodKind::radial)
+            sum += fog->bytes() - map;
         if (impl_->method.kind == MethodKind::march || impl_->method.kind == MethodKind::froxel)
             sum += map;
     }
     return sum;
+}
+
+void FogPass::forget() {
+    for (auto& table : impl_->radial) table.forget();
 }
 
 void FogPass::draw_colour(const FrameTarget& frame, const Camera& camera, GLuint output_framebuffer,

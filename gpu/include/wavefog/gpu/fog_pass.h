@@ -44,6 +44,9 @@ class FogPass {
     void draw_optical_depth(const FrameTarget& frame, const Camera& camera, GLuint output_framebuffer,
                             double seconds = 0);
 
+    /// Drops what was kept from the frame before (the tables of method radial), as a moved eye does.
+    void forget();
+
     /// Textures on the GPU that this method reads: of its fogs, and its own.
     std::size_t bytes() const;
 

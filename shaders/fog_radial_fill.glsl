@@ -1,0 +1,106 @@
+// Filling the table of method radial (fog_radial.glsl). Compiles as GLSL and as C++; the includer
+// defines radial_store(column, row, means).
+
+// Integrals up to a point, a, and those of the next d metres alone, b: up to the end of b.
+vec4 radial_join(vec4 a, vec4 b, float d) {
+    vec4 sum = a + b;
+#if RADIAL_ORDER >= 2
+    sum.y += d * a.x;
+#endif
+#if RADIAL_ORDER >= 3
+    sum.z += d * (a.y + d * (1.0f / 2.0f) * a.x);
+    sum.w += d * (a.z + d * (1.0f / 2.0f) * (a.y + d * (1.0f / 3.0f) * a.x));
+#endif
+    return sum;
+}
+
+// A_n of one step of d metres through a cell; its middle m and half extent `half_step` in cells.
+// The mean of s^k (1 - s)^(n-1) / (2^(n-1) (n-1)!) over s in [-1, 1] are the moments.
+vec4 radial_step(FogCell cell, vec2 m, vec2 half_step, float d) {
+    float area = half_step.x * half_step.y;
+    FogMoments h1 = FogMoments(1.0f, 0.0f, 1.0f / 3.0f, 0.0f, 1.0f / 5.0f);
+    vec4 step = vec4(fog_mean(cell, m, half_step, area, h1), 0.0f, 0.0f, 0.0f);
+#if RADIAL_ORDER >= 2
+    FogMoments h2 = FogMoments(1.0f / 2.0f, -1.0f / 6.0f, 1.0f / 6.0f, -1.0f / 10.0f, 1.0f / 10.0f);
+    step.y = d * fog_mean(cell, m, half_step, area, h2);
+#endif
+#if RADIAL_ORDER >= 3
+    FogMoments h3 = FogMoments(1.0f / 6.0f, -1.0f / 12.0f, 1.0f / 15.0f, -1.0f / 20.0f, 3.0f / 70.0f);
+    FogMoments h4 = FogMoments(1.0f / 24.0f, -1.0f / 40.0f, 7.0f / 360.0f, -13.0f / 840.0f,
+                               11.0f / 840.0f);
+    step.z = d * d * fog_mean(cell, m, half_step, area, h3);
+    step.w = d * d * d * fog_mean(cell, m, half_step, area, h4);
+#endif
+    // Approximations of degree >= 1 can be negative: a step that is, counts as empty.
+    return step.x > 0.0f ? d * step : vec4(0.0f);
+}
+
+// A_n along origin + slope t (finest cells) for t in [from, to], metres, on level l's grid.
+vec4 radial_walk(vec2 origin, vec2 slope, int l, float from, float to) {
+    FogGrid grid = fog_grid(origin, slope, l);
+    vec2 half_g = 0.5f * grid.g;
+    vec2 k = floor(grid.o + grid.g * from);
+    float t = from;
+    vec4 sum = vec4(0.0f);
+    while (t < to) {
+        FogCell cell = fog_fetch(fog.level[l], k + grid.first);
+        vec2 cross = (k + grid.face) * grid.per_cell;
+        float next = max(min(min(cross.x, cross.y), to), t);
+        float d = next - t;
+        sum = radial_join(sum, radial_step(cell, grid.o + half_g * (t + next) - k, half_g * d, d), d);
+        k = vec2(cross.x <= next ? k.x + grid.forward.x : k.x,
+                 cross.y <= next ? k.y + grid.forward.y : k.y);
+        t = next;
+    }
+    return sum;
+}
+
+// Fills one column of the table by walking outwards.
+void radial_fill(int column) {
+    vec2 slope = radial_direction(radial.azimuth.x + radial.azimuth.y * float(column)) * fog.scale.xy;
+    float start = radial.radius.x;
+    vec2 inside = vec2(start, start + radial.radius.y);
+#ifndef FOG_REPEAT
+    vec2 low = -vec2(float(fog.base.x), float(fog.base.y));
+    vec2 high = low + vec2(float(fog.size.x), float(fog.size.y));
+    inside = fog_clip_axis(inside, fog.eye.x, slope.x, low.x, high.x);
+    inside = fog_clip_axis(inside, fog.eye.y, slope.y, low.y, high.y);
+#endif
+    inside.x = min(inside.x, start + radial.radius.y);
+    inside.y = max(inside.x, inside.y);
+
+    vec2 origin = vec2(fog.eye.x, fog.eye.y);
+    // Every mean begins with the density where the walk begins.
+    FogGrid grid = fog_grid(origin, slope, fog.base.z);
+    vec2 point = grid.o + grid.g * start;
+    vec2 k = floor(point);
+    FogCell cell = fog_fetch(fog.level[fog.base.z], k + grid.first);
+    float density = radial_step(cell, point - k, vec2(0.0f), 1.0f).x;
+    radial_store(column, 0, vec4(inside.x == start && inside.y > start ? density : 0.0f));
+
+    vec4 sum = vec4(0.0f);
+    float at = start;
+    for (int j = 1; j < radial.size.y; ++j) {
+        float along = radial_length(j);
+        float to = start + along;
+        float from = clamp(at, inside.x, inside.y);
+        float until = clamp(to, inside.x, inside.y);
+        int coarser = int(max(log2(max(radial.detail.x * at, 1.0f)), 0.0f));
+        vec4 part = radial_walk(origin, slope, max(fog.base.z - coarser, 0), from, until);
+        sum = radial_join(sum, part, until - from);
+#if RADIAL_ORDER > 1
+        // Behind the map the higher integrals still grow. (Before it all are 0.)
+        sum = radial_join(sum, vec4(0.0f), to - max(until, at));
+#endif
+#if FOG_PROFILE == FOG_UNIFORM
+        // No ray is shorter than its horizontal part: nothing can be seen through this much fog.
+        inside.y = sum.x > radial.detail.y ? to : inside.y;
+#endif
+        at = to;
+        float per_length = 1.0f / along;
+        radial_store(column, j,
+                     sum * vec4(1.0f, 2.0f * per_length, 6.0f * per_length * per_length,
+                                24.0f * per_length * per_length * per_length) *
+                         per_length);
+    }
+}
