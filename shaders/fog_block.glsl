@@ -52,9 +52,9 @@ layout(std140) uniform RadialBlock {
                    // the rows' spacing, sqrt(L + r0) - sqrt(r0) = row * rows.x
     vec4 rows;     // x: see above; zw: texture v = z + w sqrt(L + r0)
     vec4 edge;     // least and largest texture u, v
-    vec4 detail;   // x: 1/m, level J - floor(log2(x distance)) serves at a distance; y: optical depth
-                   // of density 1 at which a column ends
+    vec4 stop;     // x: integral at which a column of a uniform fog ends, metres of density 1
     ivec4 size;    // columns, rows
+    ivec4 level[FOG_MAX_LEVELS];  // l: x: one past the last row that reads level l's grid
 #ifdef __cplusplus
 };
 #else

@@ -35,26 +35,6 @@ vec4 radial_step(FogCell cell, vec2 m, vec2 half_step, float d) {
     return step.x > 0.0f ? d * step : vec4(0.0f);
 }
 
-// A_n along origin + slope t (finest cells) for t in [from, to], metres, on level l's grid.
-vec4 radial_walk(vec2 origin, vec2 slope, int l, float from, float to) {
-    FogGrid grid = fog_grid(origin, slope, l);
-    vec2 half_g = 0.5f * grid.g;
-    vec2 k = floor(grid.o + grid.g * from);
-    float t = from;
-    vec4 sum = vec4(0.0f);
-    while (t < to) {
-        FogCell cell = fog_fetch(fog.level[l], k + grid.first);
-        vec2 cross = (k + grid.face) * grid.per_cell;
-        float next = max(min(min(cross.x, cross.y), to), t);
-        float d = next - t;
-        sum = radial_join(sum, radial_step(cell, grid.o + half_g * (t + next) - k, half_g * d, d), d);
-        k = vec2(cross.x <= next ? k.x + grid.forward.x : k.x,
-                 cross.y <= next ? k.y + grid.forward.y : k.y);
-        t = next;
-    }
-    return sum;
-}
-
 // Fills one column of the table by walking outwards.
 void radial_fill(int column) {
     vec2 slope = radial_direction(radial.azimuth.x + radial.azimuth.y * float(column)) * fog.scale.xy;
@@ -70,37 +50,55 @@ void radial_fill(int column) {
     inside.y = max(inside.x, inside.y);
 
     vec2 origin = vec2(fog.eye.x, fog.eye.y);
-    // Every mean begins with the density where the walk begins.
-    FogGrid grid = fog_grid(origin, slope, fog.base.z);
-    vec2 point = grid.o + grid.g * start;
-    vec2 k = floor(point);
-    FogCell cell = fog_fetch(fog.level[fog.base.z], k + grid.first);
-    float density = radial_step(cell, point - k, vec2(0.0f), 1.0f).x;
-    radial_store(column, 0, vec4(inside.x == start && inside.y > start ? density : 0.0f));
-
-    vec4 sum = vec4(0.0f);
     float at = start;
-    for (int j = 1; j < radial.size.y; ++j) {
-        float along = radial_length(j);
-        float to = start + along;
-        float from = clamp(at, inside.x, inside.y);
-        float until = clamp(to, inside.x, inside.y);
-        int coarser = int(max(log2(max(radial.detail.x * at, 1.0f)), 0.0f));
-        vec4 part = radial_walk(origin, slope, max(fog.base.z - coarser, 0), from, until);
-        sum = radial_join(sum, part, until - from);
+    vec4 sum = vec4(0.0f);
+    int row = 0;
+    for (int l = fog.base.z; l >= 0; --l) {
+        int end = radial.level[l].x;
+        if (row >= end) {
+            continue;
+        }
+        ivec4 level = fog.level[l];
+        FogGrid grid = fog_grid(origin, slope, l);
+        vec2 half_g = 0.5f * grid.g;
+        float t = clamp(at, inside.x, inside.y);
+        vec2 k = floor(grid.o + grid.g * t);
+        if (row == 0) {
+            // Every mean begins with the density where the walk begins.
+            FogCell cell = fog_fetch(level, k + grid.first);
+            float density = radial_step(cell, grid.o + grid.g * t - k, vec2(0.0f), 1.0f).x;
+            radial_store(column, 0, vec4(inside.x == start && inside.y > start ? density : 0.0f));
+            row = 1;
+        }
+        for (; row < end; ++row) {
+            float along = radial_length(row);
+            float to = start + along;
+            float until = clamp(to, inside.x, inside.y);
+            while (t < until) {
+                FogCell cell = fog_fetch(level, k + grid.first);
+                vec2 cross = (k + grid.face) * grid.per_cell;
+                float next = max(min(min(cross.x, cross.y), until), t);
+                float d = next - t;
+                sum = radial_join(
+                    sum, radial_step(cell, grid.o + half_g * (t + next) - k, half_g * d, d), d);
+                k = vec2(cross.x <= next ? k.x + grid.forward.x : k.x,
+                         cross.y <= next ? k.y + grid.forward.y : k.y);
+                t = next;
+            }
 #if RADIAL_ORDER > 1
-        // Behind the map the higher integrals still grow. (Before it all are 0.)
-        sum = radial_join(sum, vec4(0.0f), to - max(until, at));
+            // Behind the map the higher integrals still grow. (Before it all are 0.)
+            sum = radial_join(sum, vec4(0.0f), to - max(until, at));
 #endif
 #if FOG_PROFILE == FOG_UNIFORM
-        // No ray is shorter than its horizontal part: nothing can be seen through this much fog.
-        inside.y = sum.x > radial.detail.y ? to : inside.y;
+            // No ray is shorter than its horizontal part: nothing is seen through this much fog.
+            inside.y = sum.x > radial.stop.x ? to : inside.y;
 #endif
-        at = to;
-        float per_length = 1.0f / along;
-        radial_store(column, j,
-                     sum * vec4(1.0f, 2.0f * per_length, 6.0f * per_length * per_length,
-                                24.0f * per_length * per_length * per_length) *
-                         per_length);
+            at = to;
+            float per_length = 1.0f / along;
+            radial_store(column, row,
+                         sum * vec4(1.0f, 2.0f * per_length, 6.0f * per_length * per_length,
+                                    24.0f * per_length * per_length * per_length) *
+                             per_length);
+        }
     }
 }

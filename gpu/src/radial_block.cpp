@@ -180,7 +180,7 @@ shader::RadialBlock radial_block(const FogFacts& fog, const Eigen::Vector3d& eye
     if (size.columns > 0) columns = size.columns;
     double begin = first;
     step = columns > 1 ? (last - first) / (columns - 1) : 0;
-    if (tangents && step <= pixel) {
+    if (tangents && step <= 1.01 * pixel) {
         // One column a pixel column: nothing is interpolated across.
         const double from = std::floor((first - left) / pixel);
         begin = left + (from + 0.5) * pixel;
@@ -209,9 +209,16 @@ shader::RadialBlock radial_block(const FogFacts& fog, const Eigen::Vector3d& eye
                   static_cast<float>((0.5 - std::sqrt(r0) / per_row) / height),
                   static_cast<float>(1 / per_row / height)};
     block.edge = {static_cast<float>(0.5 / width), static_cast<float>((columns - 0.5) / width), 0, 0};
-    block.detail = {static_cast<float>(kDetail * view.pixel / (2 * cell) * 2),
-                    static_cast<float>(kStopRadial / (fog.extinction * fog.density_scale)), 0, 0};
+    block.stop = {static_cast<float>(kStopRadial / (fog.extinction * fog.density_scale)), 0, 0, 0};
     block.size = {columns, rows, 0, 0};
+    // Cells of level l - 1, twice as large as level l's, serve where they are small in the picture.
+    const int finest = static_cast<int>(fog.levels.size()) - 1;
+    for (int l = finest; l >= 0; --l) {
+        const double until = std::ldexp(cell, finest - l + 1) / (kDetail * view.pixel);
+        const double root = std::sqrt(std::clamp(until - extent.nearest, 0.0, length) + r0);
+        const int row = static_cast<int>((root - std::sqrt(r0)) / per_row);
+        block.level[l] = {l == 0 || view.pixel == 0 ? rows : std::min(row + 1, rows), 0, 0, 0};
+    }
     return block;
 }
 
