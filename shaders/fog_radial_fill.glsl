@@ -51,7 +51,7 @@ void radial_fill(int column) {
 
     vec2 origin = vec2(fog.eye.x, fog.eye.y);
     float at = start;
-    vec4 sum = vec4(0.0f);
+    vec4 reached = vec4(0.0f);
     int row = 0;
     for (int l = fog.base.z; l >= 0; --l) {
         int end = radial.level[l].x;
@@ -63,40 +63,48 @@ void radial_fill(int column) {
         vec2 half_g = 0.5f * grid.g;
         float t = clamp(at, inside.x, inside.y);
         vec2 k = floor(grid.o + grid.g * t);
+        FogCell cell = fog_fetch(level, k + grid.first);
         if (row == 0) {
             // Every mean begins with the density where the walk begins.
-            FogCell cell = fog_fetch(level, k + grid.first);
             float density = radial_step(cell, grid.o + grid.g * t - k, vec2(0.0f), 1.0f).x;
             radial_store(column, 0, vec4(inside.x == start && inside.y > start ? density : 0.0f));
             row = 1;
         }
+        vec2 cross = (k + grid.face) * grid.per_cell;
+        float next = max(min(cross.x, cross.y), t);
+        vec4 sum = reached;
         for (; row < end; ++row) {
             float along = radial_length(row);
             float to = start + along;
             float until = clamp(to, inside.x, inside.y);
-            while (t < until) {
-                FogCell cell = fog_fetch(level, k + grid.first);
-                vec2 cross = (k + grid.face) * grid.per_cell;
-                float next = max(min(min(cross.x, cross.y), until), t);
+            // Whole cells up to the row, then a part of one; `sum` and t stay at the cell's entry.
+            while (next < until) {
                 float d = next - t;
                 sum = radial_join(
                     sum, radial_step(cell, grid.o + half_g * (t + next) - k, half_g * d, d), d);
                 k = vec2(cross.x <= next ? k.x + grid.forward.x : k.x,
                          cross.y <= next ? k.y + grid.forward.y : k.y);
                 t = next;
+                cell = fog_fetch(level, k + grid.first);
+                cross = (k + grid.face) * grid.per_cell;
+                next = max(min(cross.x, cross.y), t);
             }
+            float d = max(until - t, 0.0f);
+            reached = radial_join(
+                sum, radial_step(cell, grid.o + half_g * (t + until) - k, half_g * d, d), d);
+            vec4 here = reached;
 #if RADIAL_ORDER > 1
             // Behind the map the higher integrals still grow. (Before it all are 0.)
-            sum = radial_join(sum, vec4(0.0f), to - max(until, at));
+            here = radial_join(here, vec4(0.0f), to - max(until, start));
 #endif
 #if FOG_PROFILE == FOG_UNIFORM
             // No ray is shorter than its horizontal part: nothing is seen through this much fog.
-            inside.y = sum.x > radial.stop.x ? to : inside.y;
+            inside.y = here.x > radial.stop.x ? to : inside.y;
 #endif
             at = to;
             float per_length = 1.0f / along;
             radial_store(column, row,
-                         sum * vec4(1.0f, 2.0f * per_length, 6.0f * per_length * per_length,
+                         here * vec4(1.0f, 2.0f * per_length, 6.0f * per_length * per_length,
                                     24.0f * per_length * per_length * per_length) *
                              per_length);
         }

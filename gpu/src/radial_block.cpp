@@ -17,12 +17,12 @@ using Polygon = std::vector<Vector2d>;
 
 // Views up to this far from the axis on both sides are counted by tangents: 4 times finer there.
 constexpr double kTangentLimit = 1.1;
-constexpr double kColumnsPerCell = 8, kRowsPerCell = 4;
+constexpr double kColumnsPerCell = 6, kRowsPerCell = 4;
 constexpr int kLeastColumns = 64, kLeastRows = 64;
-// A cell of the next level must be smaller than this part of a pixel.
-constexpr double kDetail = 0.5;
-// No ray through more fog than this can be told from one through none: T = 1.2e-4.
-constexpr double kStopRadial = 9;
+// A cell of the next level must be no larger than this part of a pixel.
+constexpr double kDetail = 1;
+// T = 9e-4 behind this much fog: a column ends there, its error below half of what can be seen.
+constexpr double kStopRadial = 7;
 // Repeated maps: periods until the mean along an azimuth is taken to stay.
 constexpr double kPeriods = 16;
 
