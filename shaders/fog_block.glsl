@@ -46,7 +46,8 @@ struct RadialBlock {
 #else
 layout(std140) uniform RadialBlock {
 #endif
-    vec4 axis;     // xy: horizontal unit vector (x, z) of azimuth coordinate 0; z: 0 tangents, 1 wide
+    vec4 axis;     // xy: horizontal unit vector (x, z) of azimuth coordinate 0; z: bend of the
+                   // coordinate; w: 1 to count from the nearest of four axes
     vec4 azimuth;  // coordinate of column 0, and per column; zw: texture u = z + w coordinate
     vec4 radius;   // x: distance of row 0, m; y: of the last row less that; z: r0 and w: sqrt(r0) of
                    // the rows' spacing, sqrt(L + r0) - sqrt(r0) = row * rows.x

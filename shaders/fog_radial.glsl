@@ -9,9 +9,10 @@
 // profile that is a spline in eta is integrated by parts: only its ends, and the jumps of its
 // derivatives at its knots, need a look-up.
 //
-// Azimuths are counted by a ratio instead of an angle: the tangent from `radial.axis`, along which
-// the columns of a level camera are pixel columns, or s / (|f| + |s|) for wide views and the full
-// turn, -2 .. 2.
+// Azimuths are counted without an angle: s / (f^2 + bend s^2) f for an offset f along `radial.axis`
+// and s across it. With bend 0 it is the tangent, and the columns of a level camera are pixel
+// columns; with 0.28 it is within 1 % of the angle up to 45 degrees, and a wide view counts from the
+// nearest of four axes.
 
 // n: uniform and slab 1, linear 2, exponential 4.
 #if FOG_PROFILE == FOG_EXPONENTIAL
@@ -22,49 +23,152 @@
 #define RADIAL_ORDER 1
 #endif
 
-// Horizontal unit vector (world x, z) of an azimuth coordinate.
-vec2 radial_direction(float a) {
-    float s = a;
-    float f = 1.0f;
-    if (radial.axis.z != 0.0f) {
-        // |f| = 1 - |s| within a quarter turn of the axis; beyond it s falls again.
-        s = a > 1.0f ? 2.0f - a : a < -1.0f ? -2.0f - a : a;
-        f = abs(a) > 1.0f ? abs(s) - 1.0f : 1.0f - abs(s);
-    }
-    vec2 d = radial.axis.xy * f + vec2(-radial.axis.y, radial.axis.x) * s;
-    return d * (1.0f / length(d));
+// Integrals up to a point, a, and those of the next d metres alone, b: up to the end of b.
+vec4 radial_join(vec4 a, vec4 b, float d) {
+    vec4 sum = a + b;
+#if RADIAL_ORDER >= 2
+    sum.y += d * a.x;
+#endif
+#if RADIAL_ORDER >= 3
+    sum.z += d * (a.y + d * (1.0f / 2.0f) * a.x);
+    sum.w += d * (a.z + d * (1.0f / 2.0f) * (a.y + d * (1.0f / 3.0f) * a.x));
+#endif
+    return sum;
 }
 
-// Texture u of a horizontal offset from the eye, in any unit.
-float radial_column_of(vec2 offset) {
+// Horizontal vector (world x, z) of an azimuth coordinate: the inverse of radial_coordinate.
+vec2 radial_direction(float a) {
+    float bend = radial.axis.z;
+    float quarter = 2.0f / (1.0f + bend);
+    float turns = radial.axis.w != 0.0f ? floor(a / quarter + 0.5f) : 0.0f;
+    float q = a - turns * quarter;
+    float s = 2.0f * q / (1.0f + sqrt(max(1.0f - 4.0f * bend * q * q, 0.0f)));
+    vec2 axis = radial.axis.xy;
+    axis = turns == 0.0f    ? axis
+           : turns == 1.0f  ? vec2(-axis.y, axis.x)
+           : turns == -1.0f ? vec2(axis.y, -axis.x)
+                            : -axis;
+    return axis + vec2(-axis.y, axis.x) * s;
+}
+
+// Azimuth coordinate of a horizontal offset from the eye, in any unit.
+float radial_coordinate(vec2 offset) {
+    float bend = radial.axis.z;
     float f = dot(offset, radial.axis.xy);
     float s = dot(offset, vec2(-radial.axis.y, radial.axis.x));
-    float a = s / max(abs(f) + radial.axis.z * abs(s), 1.0e-30f);
-    a = f < 0.0f ? (s < 0.0f ? -2.0f : 2.0f) - a : a;
-    return clamp(radial.azimuth.z + radial.azimuth.w * a, radial.edge.x, radial.edge.y);
+    float product = s * f;
+    float ff = f * f;
+    float ss = s * s;
+    float turns = 0.0f;
+    if (radial.axis.w != 0.0f) {
+        // The nearest of four axes; `turns` from the first, in quarters.
+        bool side = ss > ff;
+        turns = side ? 1.0f : f < 0.0f ? 2.0f : 0.0f;
+        turns = s < 0.0f ? -turns : turns;
+        product = side ? -product : product;
+        float swapped = ff;
+        ff = side ? ss : ff;
+        ss = side ? swapped : ss;
+    }
+    return product / max(ff + bend * ss, 1.0e-30f) + turns * (2.0f / (1.0f + bend));
 }
 
-// Metres from row 0's distance to row j's.
-float radial_length(int j) {
-    float root = radial.rows.x * float(j);
-    return root * (root + 2.0f * radial.radius.w);
-}
-
-// m_n at horizontal distance r along the column with texture u, times L^n / n!: A_n.
-vec4 radial_integrals(float u, float r) {
-    float along = clamp(r - radial.radius.x, 0.0f, radial.radius.y);
+// A_n from the eye to the fraction t of a ray of horizontal length r, along the column with texture
+// u, per unit of t: multiplied by the ray's length, integrals along the ray.
+vec4 radial_integrals(float u, float r, float t) {
+    float beyond = max(r * t - radial.radius.x, 0.0f);
+    float along = min(beyond, radial.radius.y);
     float v = radial.rows.z + radial.rows.w * sqrt(along + radial.radius.z);
+    vec4 means = texture(radial_table, vec2(u, v));
 #ifdef FOG_REPEAT
-    // After many periods the mean stays.
-    along = max(r - radial.radius.x, 0.0f);
+    // After many periods the means stay.
+    along = beyond;
 #endif
-    return texture(radial_table, vec2(u, v)) * along;
+    float w = along / r;
+#if RADIAL_ORDER == 1
+    return means * w;
+#else
+    float half_w = (1.0f / 2.0f) * w;
+    float third_w = (1.0f / 3.0f) * w;
+    vec4 sum = means * vec4(w, w * half_w, w * half_w * third_w, w * half_w * third_w * (0.25f * w));
+    return radial_join(sum, vec4(0.0f), (beyond - along) / r);
+#endif
 }
+
+#if FOG_PROFILE == FOG_EXPONENTIAL
+// exp(-x) as a cubic spline with knots every RADIAL_KNOT, continuous to the second derivative: in
+// piece i, exp(-i RADIAL_KNOT) times one cubic of x - i RADIAL_KNOT. It is within 0.2 % of exp(-x).
+#define RADIAL_KNOT 1.25f
+#define RADIAL_CUBIC vec4(1.002214880f, -0.990921066f, 0.439651638f, -0.083650489f)
+// A ray counts up to this height over its lowest point, where the profile is down to 9e-4 of its
+// value there.
+#define RADIAL_TOP 7.0f
+
+// The spline at x and its derivatives.
+vec4 radial_profile(float x) {
+    float i = floor(x * (1.0f / RADIAL_KNOT));
+    float y = x - RADIAL_KNOT * i;
+    vec4 c = RADIAL_CUBIC;
+    return exp(-RADIAL_KNOT * i) * vec4(c.x + y * (c.y + y * (c.z + y * c.w)),
+                                        c.y + y * (2.0f * c.z + y * (3.0f * c.w)),
+                                        2.0f * c.z + 6.0f * y * c.w, 6.0f * c.w);
+}
+
+// Integral of density times profile over t in [0, 1]. Integrated by parts three times, what is left
+// is A_4 at the knots, times the jumps of the third derivative.
+float radial_exponential(float u, float r, float eta, float rise) {
+    float top = eta + rise;
+    float low = max(min(eta, top), 0.0f);  // eta of the lowest point above the base
+    float base_t = rise == 0.0f ? (eta < 0.0f ? 1.0f : 0.0f) : clamp(-eta / rise, 0.0f, 1.0f);
+    // From `low_t` on (rising) or up to it (falling) the ray is above the base.
+    bool rising = rise >= 0.0f;
+    float low_t = rising ? base_t : (top < 0.0f ? base_t : 1.0f);
+    float steep = abs(rise);
+    float reach = min(rising ? 1.0f - low_t : low_t, RADIAL_TOP / max(steep, 1.0e-20f));
+    float from = rising ? low_t : low_t - reach;
+    float to = rising ? low_t + reach : low_t;
+    float extent = steep * reach;
+
+    vec4 powers = vec4(1.0f, -rise, rise * rise, -rise * rise * rise);
+    vec4 ends_low = powers * radial_profile(0.0f);
+    vec4 ends_high = powers * radial_profile(extent);
+    vec4 first = radial_integrals(u, r, from);
+    vec4 last = radial_integrals(u, r, to);
+    float sum = dot(last, rising ? ends_high : ends_low) - dot(first, rising ? ends_low : ends_high);
+    vec4 c = RADIAL_CUBIC;
+    float kick = steep * steep * steep * 6.0f * c.w * (1.0f - exp(RADIAL_KNOT));
+    for (float i = 1.0f; i * RADIAL_KNOT < extent; i += 1.0f) {
+        float t = rising ? from + i * RADIAL_KNOT / steep : to - i * RADIAL_KNOT / steep;
+        sum += kick * exp(-RADIAL_KNOT * i) * radial_integrals(u, r, t).w;
+    }
+    // Below the base the profile is 1.
+    float below = rising ? first.x : radial_integrals(u, r, 1.0f).x - last.x;
+    return max(sum, 0.0f) * exp(-low) + max(below, 0.0f);
+}
+#endif
 
 // Optical depth from the eye to `path` (world metres from the eye) at a distance of `metres`.
 float fog_radial(vec3 path, float metres) {
     vec2 offset = vec2(path.x, path.z);
     float r = max(length(offset), 1.0e-20f);
-    float u = radial_column_of(offset);
-    return fog.scale.w * metres / r * radial_integrals(u, r).x;
+    float u = clamp(radial.azimuth.z + radial.azimuth.w * radial_coordinate(offset), radial.edge.x,
+                    radial.edge.y);
+    float eta = fog.eye.z;
+    float rise = path.y * fog.scale.z;
+#if FOG_PROFILE == FOG_UNIFORM
+    float sum = radial_integrals(u, r, 1.0f).x;
+#elif FOG_PROFILE == FOG_SLAB
+    vec2 range = fog_clip_axis(vec2(0.0f, 1.0f), eta, rise, 0.0f, 1.0f);
+    float sum = range.y > range.x
+                    ? radial_integrals(u, r, range.y).x - radial_integrals(u, r, range.x).x
+                    : 0.0f;
+#elif FOG_PROFILE == FOG_LINEAR
+    vec2 range = fog_clip_axis(vec2(0.0f, 1.0f), eta, rise, 0.0f, 1.0f);
+    range.y = max(range.x, range.y);
+    float sum = clamp(1.0f - eta - rise, 0.0f, 1.0f) * radial_integrals(u, r, 1.0f).x +
+                rise * (radial_integrals(u, r, range.y).y - radial_integrals(u, r, range.x).y);
+#else
+    float sum = radial_exponential(u, r, eta, rise);
+#endif
+    return fog.scale.w * metres * max(sum, 0.0f);
 }

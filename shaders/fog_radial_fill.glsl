@@ -1,19 +1,6 @@
 // Filling the table of method radial (fog_radial.glsl). Compiles as GLSL and as C++; the includer
 // defines radial_store(column, row, means).
 
-// Integrals up to a point, a, and those of the next d metres alone, b: up to the end of b.
-vec4 radial_join(vec4 a, vec4 b, float d) {
-    vec4 sum = a + b;
-#if RADIAL_ORDER >= 2
-    sum.y += d * a.x;
-#endif
-#if RADIAL_ORDER >= 3
-    sum.z += d * (a.y + d * (1.0f / 2.0f) * a.x);
-    sum.w += d * (a.z + d * (1.0f / 2.0f) * (a.y + d * (1.0f / 3.0f) * a.x));
-#endif
-    return sum;
-}
-
 // A_n of one step of d metres through a cell; its middle m and half extent `half_step` in cells.
 // The mean of s^k (1 - s)^(n-1) / (2^(n-1) (n-1)!) over s in [-1, 1] are the moments.
 vec4 radial_step(FogCell cell, vec2 m, vec2 half_step, float d) {
@@ -37,7 +24,8 @@ vec4 radial_step(FogCell cell, vec2 m, vec2 half_step, float d) {
 
 // Fills one column of the table by walking outwards.
 void radial_fill(int column) {
-    vec2 slope = radial_direction(radial.azimuth.x + radial.azimuth.y * float(column)) * fog.scale.xy;
+    vec2 direction = radial_direction(radial.azimuth.x + radial.azimuth.y * float(column));
+    vec2 slope = direction * (1.0f / length(direction)) * vec2(fog.scale.x, fog.scale.y);
     float start = radial.radius.x;
     vec2 inside = vec2(start, start + radial.radius.y);
 #ifndef FOG_REPEAT
@@ -51,6 +39,10 @@ void radial_fill(int column) {
 
     vec2 origin = vec2(fog.eye.x, fog.eye.y);
     float at = start;
+    // Uniforms read inside the loop would be read anew each time.
+    float per_row = radial.rows.x;
+    float root0 = 2.0f * radial.radius.w;
+    float enough = radial.stop.x;
     vec4 reached = vec4(0.0f);
     int row = 0;
     for (int l = fog.base.z; l >= 0; --l) {
@@ -74,7 +66,8 @@ void radial_fill(int column) {
         float next = max(min(cross.x, cross.y), t);
         vec4 sum = reached;
         for (; row < end; ++row) {
-            float along = radial_length(row);
+            float root = per_row * float(row);
+            float along = root * (root + root0);
             float to = start + along;
             float until = clamp(to, inside.x, inside.y);
             // Whole cells up to the row, then a part of one; `sum` and t stay at the cell's entry.
@@ -99,7 +92,7 @@ void radial_fill(int column) {
 #endif
 #if FOG_PROFILE == FOG_UNIFORM
             // No ray is shorter than its horizontal part: nothing is seen through this much fog.
-            inside.y = here.x > radial.stop.x ? to : inside.y;
+            inside.y = here.x > enough ? to : inside.y;
 #endif
             at = to;
             float per_length = 1.0f / along;

@@ -15,8 +15,9 @@ namespace {
 using Eigen::Vector2d;
 using Polygon = std::vector<Vector2d>;
 
-// Views up to this far from the axis on both sides are counted by tangents: 4 times finer there.
-constexpr double kTangentLimit = 1.1;
+// Azimuth coordinates (fog_radial.glsl). Tangents are 5 times finer this far from the axis, radians;
+// bent ones 1.3 times coarser.
+constexpr double kTangentLimit = 1.1, kBentLimit = 0.87, kBend = 0.28;
 constexpr double kColumnsPerCell = 6, kRowsPerCell = 4;
 constexpr int kLeastColumns = 64, kLeastRows = 64;
 // A cell of the next level must be no larger than this part of a pixel.
@@ -118,11 +119,11 @@ Extent extent_of(const FogFacts& fog, const Eigen::Vector3d& eye, const RadialVi
     return extent;
 }
 
-double coordinate_of(double angle, bool wide) {
-    const double s = std::sin(angle), f = std::cos(angle);
-    if (!wide) return s / f;
-    const double a = s / (std::abs(f) + std::abs(s));
-    return f >= 0 ? a : std::copysign(2.0, s) - a;
+/// radial_coordinate() of fog_radial.glsl for an angle from the axis.
+double coordinate_of(double angle, double bend, bool wide) {
+    const double turns = wide ? std::round(angle / (std::numbers::pi / 2)) : 0;
+    const double s = std::tan(angle - turns * (std::numbers::pi / 2));
+    return s / (1 + bend * s * s) + turns * 2 / (1 + bend);
 }
 
 }  // namespace
@@ -165,16 +166,19 @@ shader::RadialBlock radial_block(const FogFacts& fog, const Eigen::Vector3d& eye
     const double cell = std::min((fog.rect.x1 - fog.rect.x0) / fog.width,
                                  (fog.rect.z1 - fog.rect.z0) / fog.height);
     const double length = std::max(extent.farthest - extent.nearest, 1e-3 * cell);
-    const bool wide = std::max(-extent.first, extent.last) > kTangentLimit;
-    const double first = coordinate_of(extent.first, wide), last = coordinate_of(extent.last, wide);
+    const double widest = std::max(-extent.first, extent.last);
+    const bool tangents = view.level_pixels > 0 && widest < kTangentLimit;
+    const bool wide = !tangents && widest > kBentLimit;
+    const double bend = tangents ? 0 : kBend;
+    const double first = coordinate_of(extent.first, bend, wide);
+    const double last = coordinate_of(extent.last, bend, wide);
 
     // Azimuth steps: part of a cell at the far end, but no finer than pixels.
     double step = cell / (kColumnsPerCell * std::max(extent.farthest, cell));
-    const bool tangents = view.level_pixels > 0 && !wide;
     const double left = tangents ? std::tan(view.first) : 0;
     const double pixel =
         tangents ? (std::tan(view.last) - left) / view.level_pixels : view.pixel;
-    step = std::max(wide ? 0.75 * step : step, wide ? 0.75 * pixel : pixel);
+    step = std::max(step, pixel);
     int columns = std::clamp(static_cast<int>(std::ceil((last - first) / step)) + 1, kLeastColumns,
                              kRadialLargest.columns);
     if (size.columns > 0) columns = size.columns;
@@ -196,7 +200,7 @@ shader::RadialBlock radial_block(const FogFacts& fog, const Eigen::Vector3d& eye
 
     shader::RadialBlock block{};
     block.axis = {static_cast<float>(view.axis.x()), static_cast<float>(view.axis.y()),
-                  wide ? 1.0f : 0.0f, 0};
+                  static_cast<float>(bend), wide ? 1.0f : 0.0f};
     const double width = size.columns > 0 ? size.columns : kRadialLargest.columns;
     const double height = size.rows > 0 ? size.rows : kRadialLargest.rows;
     // Texel i holds column i: u = (i + 1/2) / width.
