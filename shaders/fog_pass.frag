@@ -1,5 +1,5 @@
 // The fog post-process for one fog: depth (and colour) in, fogged colour or optical depth out.
-// Defines: FOG_DEGREE, FOG_PROFILE, FOG_REPEAT, FOG_SKIP, FOG_METHOD, FOG_PAPER_SCALING; FOG_OUTPUT_TAU
+// Defines: FOG_DEGREE, FOG_PROFILE, FOG_REPEAT, FOG_SKIP, FOG_METHOD, FOG_PAPER_SCALING, RADIAL_LAYERED; FOG_OUTPUT_TAU
 // writes optical depth instead of colour; FOG_PREVIOUS_TAU adds the optical depth of the fogs drawn
 // before.
 // Blend: L = T L_scene + (1 - T) L_fog (paper 004, eq. 4), linear colours.
@@ -62,8 +62,6 @@ float optical_depth(vec2 pixel, float depth) {
     }
 #if FOG_METHOD == FOG_METHOD_HOMOGENEOUS
     return fog_homogeneous(metres);
-#elif FOG_METHOD == FOG_METHOD_RADIAL
-    return fog_radial(path, metres);
 #elif FOG_METHOD == FOG_METHOD_NONE
     return 0.0f;
 #else
@@ -80,6 +78,8 @@ float optical_depth(vec2 pixel, float depth) {
     return fog_exact(ray);
 #elif FOG_METHOD == FOG_METHOD_PAPER
     return fog_paper(ray);
+#elif FOG_METHOD == FOG_METHOD_RADIAL
+    return fog_radial(ray);
 #else
     return fog_march(ray, view.samples.x);
 #endif

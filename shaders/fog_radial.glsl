@@ -9,14 +9,18 @@
 // profile that is a spline in eta is integrated by parts: only its ends, and the jumps of its
 // derivatives at its knots, need a look-up.
 //
+// With RADIAL_LAYERED (0 < mu < 1) there is a table for every level l, of the approximation that
+// holds the levels 0..l, one below the other: level l serves between |OP| mu^(l+1) and |OP| mu^l
+// (paper 004, eq. 12).
+//
 // Azimuths are counted without an angle: s / (f^2 + bend s^2) f for an offset f along `radial.axis`
 // and s across it. With bend 0 it is the tangent, and the columns of a level camera are pixel
 // columns; with 0.28 it is within 1 % of the angle up to 45 degrees, and a wide view counts from the
 // nearest of four axes.
 
-// n: uniform and slab 1, linear 2, exponential 4.
+// The largest n.
 #if FOG_PROFILE == FOG_EXPONENTIAL
-#define RADIAL_ORDER 4
+#define RADIAL_ORDER 3
 #elif FOG_PROFILE == FOG_LINEAR
 #define RADIAL_ORDER 2
 #else
@@ -24,14 +28,13 @@
 #endif
 
 // Integrals up to a point, a, and those of the next d metres alone, b: up to the end of b.
-vec4 radial_join(vec4 a, vec4 b, float d) {
-    vec4 sum = a + b;
+vec3 radial_join(vec3 a, vec3 b, float d) {
+    vec3 sum = a + b;
 #if RADIAL_ORDER >= 2
     sum.y += d * a.x;
 #endif
 #if RADIAL_ORDER >= 3
     sum.z += d * (a.y + d * (1.0f / 2.0f) * a.x);
-    sum.w += d * (a.z + d * (1.0f / 2.0f) * (a.y + d * (1.0f / 3.0f) * a.x));
 #endif
     return sum;
 }
@@ -73,25 +76,31 @@ float radial_coordinate(vec2 offset) {
     return product / max(ff + bend * ss, 1.0e-30f) + turns * (2.0f / (1.0f + bend));
 }
 
-// A_n from the eye to the fraction t of a ray of horizontal length r, along the column with texture
-// u, per unit of t: multiplied by the ray's length, integrals along the ray.
-vec4 radial_integrals(float u, float r, float t) {
-    float beyond = max(r * t - radial.radius.x, 0.0f);
+// Where a ray looks its integrals up.
+struct RadialPlace {
+    float r;  // horizontal length of the ray, m
+    float u;  // texture u of its azimuth
+    float v;  // what a level adds to texture v
+};
+
+// A_n from the eye to the fraction t of a ray, per unit of t: times the ray's length they are
+// integrals along the ray.
+vec3 radial_integrals(RadialPlace place, float t) {
+    float beyond = max(place.r * t - radial.radius.x, 0.0f);
     float along = min(beyond, radial.radius.y);
-    float v = radial.rows.z + radial.rows.w * sqrt(along + radial.radius.z);
-    vec4 means = texture(radial_table, vec2(u, v));
+    float v = radial.rows.z + radial.rows.w * sqrt(along + radial.radius.z) + place.v;
+    vec4 means = texture(radial_table, vec2(place.u, v));
 #ifdef FOG_REPEAT
     // After many periods the means stay.
     along = beyond;
 #endif
-    float w = along / r;
+    float w = along / place.r;
 #if RADIAL_ORDER == 1
-    return means * w;
+    return vec3(means.x * w, 0.0f, 0.0f);
 #else
-    float half_w = (1.0f / 2.0f) * w;
-    float third_w = (1.0f / 3.0f) * w;
-    vec4 sum = means * vec4(w, w * half_w, w * half_w * third_w, w * half_w * third_w * (0.25f * w));
-    return radial_join(sum, vec4(0.0f), (beyond - along) / r);
+    float w2 = (1.0f / 2.0f) * w * w;
+    vec3 sum = vec3(means.x * w, means.y * w2, means.z * (1.0f / 3.0f) * w * w2);
+    return radial_join(sum, vec3(0.0f), (beyond - along) / place.r);
 #endif
 }
 
@@ -113,13 +122,12 @@ vec3 radial_profile(float x, float i) {
     return exp(-RADIAL_KNOT * i) * vec3(c.x + y * (c.y + y * c.z), c.y + 2.0f * y * c.z, 2.0f * c.z);
 }
 
-// Integral of density times profile over t in [0, 1]. Integrated by parts twice, what is left is A_3
+// Integral of density times profile over t in [0, end]. Integrated by parts twice, what is left is A_3
 // at the knots, times the jumps of the second derivative.
-float radial_exponential(float u, float r, float eta, float rise) {
-    float end = 1.0f;
+float radial_exponential(RadialPlace place, float eta, float rise, float end) {
 #ifndef FOG_REPEAT
     // Behind the last row there is no fog.
-    end = min((radial.radius.x + radial.radius.y) / r, 1.0f);
+    end = min((radial.radius.x + radial.radius.y) / place.r, end);
 #endif
     float top = eta + rise * end;
     float low = max(min(eta, top), 0.0f);  // eta of the lowest point above the base
@@ -133,45 +141,61 @@ float radial_exponential(float u, float r, float eta, float rise) {
     float extent = steep * reach;
     float pieces = max(ceil(extent * (1.0f / RADIAL_KNOT)) - 1.0f, 0.0f);
 
-    vec4 at_foot = radial_integrals(u, r, foot);
-    vec4 at_head = radial_integrals(u, r, head);
+    vec3 at_foot = radial_integrals(place, foot);
+    vec3 at_head = radial_integrals(place, head);
     vec3 powers = vec3(1.0f, -rise, rise * rise);
-    float sum = dot(powers * radial_profile(extent, pieces), vec3(at_head.x, at_head.y, at_head.z)) -
-                dot(powers * radial_profile(0.0f, 0.0f), vec3(at_foot.x, at_foot.y, at_foot.z));
+    float sum = dot(powers * radial_profile(extent, pieces), at_head) -
+                dot(powers * radial_profile(0.0f, 0.0f), at_foot);
     vec3 c = RADIAL_PIECE;
     float kick = rise * rise * 2.0f * c.z * (exp(RADIAL_KNOT) - 1.0f);
     float per_knot = RADIAL_KNOT / (rise == 0.0f ? 1.0f : rise);
     for (float i = 1.0f; i <= pieces; i += 1.0f) {
-        sum += kick * exp(-RADIAL_KNOT * i) * radial_integrals(u, r, foot + i * per_knot).z;
+        sum += kick * exp(-RADIAL_KNOT * i) * radial_integrals(place, foot + i * per_knot).z;
     }
     // Below the base the profile is 1.
-    float below = rising ? at_foot.x : radial_integrals(u, r, end).x - at_foot.x;
-    return max(rising ? sum : -sum, 0.0f) * exp(-low) + max(below, 0.0f);
+    float below = rising ? at_foot.x : radial_integrals(place, end).x - at_foot.x;
+    return (rising ? sum : -sum) * exp(-low) + below;
 }
 #endif
 
-// Optical depth from the eye to `path` (world metres from the eye) at a distance of `metres`.
-float fog_radial(vec3 path, float metres) {
-    vec2 offset = vec2(path.x, path.z);
-    float r = max(length(offset), 1.0e-20f);
-    float u = clamp(radial.azimuth.z + radial.azimuth.w * radial_coordinate(offset), radial.edge.x,
-                    radial.edge.y);
-    float eta = fog.eye.z;
-    float rise = path.y * fog.scale.z;
+// Integral of density times profile over t in [0, end].
+float radial_integral(RadialPlace place, float eta, float rise, float end) {
 #if FOG_PROFILE == FOG_UNIFORM
-    float sum = radial_integrals(u, r, 1.0f).x;
-#elif FOG_PROFILE == FOG_SLAB
-    vec2 range = fog_clip_axis(vec2(0.0f, 1.0f), eta, rise, 0.0f, 1.0f);
-    float sum = range.y > range.x
-                    ? radial_integrals(u, r, range.y).x - radial_integrals(u, r, range.x).x
-                    : 0.0f;
-#elif FOG_PROFILE == FOG_LINEAR
-    vec2 range = fog_clip_axis(vec2(0.0f, 1.0f), eta, rise, 0.0f, 1.0f);
-    range.y = max(range.x, range.y);
-    float sum = clamp(1.0f - eta - rise, 0.0f, 1.0f) * radial_integrals(u, r, 1.0f).x +
-                rise * (radial_integrals(u, r, range.y).y - radial_integrals(u, r, range.x).y);
+    return radial_integrals(place, end).x;
+#elif FOG_PROFILE == FOG_EXPONENTIAL
+    return radial_exponential(place, eta, rise, end);
 #else
-    float sum = radial_exponential(u, r, eta, rise);
+    vec2 range = fog_clip_axis(vec2(0.0f, end), eta, rise, 0.0f, 1.0f);
+    range.y = max(range.x, range.y);
+    vec3 part = radial_integrals(place, range.y) - radial_integrals(place, range.x);
+#if FOG_PROFILE == FOG_SLAB
+    return part.x;
+#else
+    return clamp(1.0f - eta - rise * end, 0.0f, 1.0f) * radial_integrals(place, end).x + rise * part.y;
 #endif
-    return fog.scale.w * metres * max(sum, 0.0f);
+#endif
+}
+
+// Optical depth of a ray from the eye.
+float fog_radial(FogRay ray) {
+    vec2 offset = ray.slope * vec2(radial.cell.x, radial.cell.y);
+    RadialPlace place;
+    place.r = max(length(offset), 1.0e-20f);
+    place.u = clamp(radial.azimuth.z + radial.azimuth.w * radial_coordinate(offset), radial.edge.x,
+                    radial.edge.y);
+    place.v = 0.0f;
+#ifdef RADIAL_LAYERED
+    float whole = ray.sky ? max(fog_clip(ray).y, 0.0f) : ray.last;
+    float sum = 0.0f;
+    for (int l = 0; l <= fog.base.z; ++l) {
+        place.v = radial.edge.z * float(l);
+        sum += radial_integral(place, ray.eta, ray.rise, whole * fog.reach[l].x);
+        if (l < fog.base.z) {
+            sum -= radial_integral(place, ray.eta, ray.rise, whole * fog.reach[l + 1].x);
+        }
+    }
+#else
+    float sum = radial_integral(place, ray.eta, ray.rise, 1.0f);
+#endif
+    return fog.scale.w * ray.metres * max(sum, 0.0f);
 }

@@ -1,29 +1,26 @@
 // Filling the table of method radial (fog_radial.glsl). Compiles as GLSL and as C++; the includer
 // defines radial_store(column, row, means).
 
-// A_n of one step of d metres through a cell; its middle m and half extent `half_step` in cells.
-// The mean of s^k (1 - s)^(n-1) / (2^(n-1) (n-1)!) over s in [-1, 1] are the moments.
-vec4 radial_step(FogCell cell, vec2 m, vec2 half_step, float d) {
+// A_n of one step of d metres through a cell; its middle m and half extent `half_step` in cells. The
+// moments are means of s^k (1 - s)^(n-1) / (2^(n-1) (n-1)!) over s in [-1, 1].
+vec3 radial_step(FogCell cell, vec2 m, vec2 half_step, float d) {
     float area = half_step.x * half_step.y;
     FogMoments h1 = FogMoments(1.0f, 0.0f, 1.0f / 3.0f, 0.0f, 1.0f / 5.0f);
-    vec4 step = vec4(fog_mean(cell, m, half_step, area, h1), 0.0f, 0.0f, 0.0f);
+    vec3 step = vec3(fog_mean(cell, m, half_step, area, h1), 0.0f, 0.0f);
 #if RADIAL_ORDER >= 2
     FogMoments h2 = FogMoments(1.0f / 2.0f, -1.0f / 6.0f, 1.0f / 6.0f, -1.0f / 10.0f, 1.0f / 10.0f);
     step.y = d * fog_mean(cell, m, half_step, area, h2);
 #endif
 #if RADIAL_ORDER >= 3
     FogMoments h3 = FogMoments(1.0f / 6.0f, -1.0f / 12.0f, 1.0f / 15.0f, -1.0f / 20.0f, 3.0f / 70.0f);
-    FogMoments h4 = FogMoments(1.0f / 24.0f, -1.0f / 40.0f, 7.0f / 360.0f, -13.0f / 840.0f,
-                               11.0f / 840.0f);
     step.z = d * d * fog_mean(cell, m, half_step, area, h3);
-    step.w = d * d * d * fog_mean(cell, m, half_step, area, h4);
 #endif
     // Approximations of degree >= 1 can be negative: a step that is, counts as empty.
-    return step.x > 0.0f ? d * step : vec4(0.0f);
+    return step.x > 0.0f ? d * step : vec3(0.0f);
 }
 
-// Fills one column of the table by walking outwards.
-void radial_fill(int column) {
+// Fills one column of the table of levels 0..finest by walking outwards. `first` is its first row.
+void radial_fill(int column, int first, int finest) {
     vec2 direction = radial_direction(radial.azimuth.x + radial.azimuth.y * float(column));
     vec2 slope = direction * (1.0f / length(direction)) * vec2(fog.scale.x, fog.scale.y);
     float start = radial.radius.x;
@@ -43,14 +40,14 @@ void radial_fill(int column) {
     float per_row = radial.rows.x;
     float root0 = 2.0f * radial.radius.w;
     float enough = radial.stop.x;
-    vec4 reached = vec4(0.0f);
+    vec3 reached = vec3(0.0f);
     int row = 0;
-    for (int l = fog.base.z; l >= 0; --l) {
+    for (int l = finest; l >= 0; --l) {
         int end = radial.level[l].x;
         if (row >= end) {
             continue;
         }
-        ivec4 level = fog.level[l];
+        ivec3 level = fog.level[l];
         FogGrid grid = fog_grid(origin, slope, l);
         vec2 half_g = 0.5f * grid.g;
         float t = clamp(at, inside.x, inside.y);
@@ -59,12 +56,12 @@ void radial_fill(int column) {
         if (row == 0) {
             // Every mean begins with the density where the walk begins.
             float density = radial_step(cell, grid.o + grid.g * t - k, vec2(0.0f), 1.0f).x;
-            radial_store(column, 0, vec4(inside.x == start && inside.y > start ? density : 0.0f));
+            radial_store(column, first, vec3(inside.x == start && inside.y > start ? density : 0.0f));
             row = 1;
         }
         vec2 cross = (k + grid.face) * grid.per_cell;
         float next = max(min(cross.x, cross.y), t);
-        vec4 sum = reached;
+        vec3 sum = reached;
         for (; row < end; ++row) {
             float root = per_row * float(row);
             float along = root * (root + root0);
@@ -85,10 +82,10 @@ void radial_fill(int column) {
             float d = max(until - t, 0.0f);
             reached = radial_join(
                 sum, radial_step(cell, grid.o + half_g * (t + until) - k, half_g * d, d), d);
-            vec4 here = reached;
+            vec3 here = reached;
 #if RADIAL_ORDER > 1
             // Behind the map the higher integrals still grow. (Before it all are 0.)
-            here = radial_join(here, vec4(0.0f), to - max(until, start));
+            here = radial_join(here, vec3(0.0f), to - max(until, start));
 #endif
 #if FOG_PROFILE == FOG_UNIFORM
             // No ray is shorter than its horizontal part: nothing is seen through this much fog.
@@ -96,9 +93,8 @@ void radial_fill(int column) {
 #endif
             at = to;
             float per_length = 1.0f / along;
-            radial_store(column, row,
-                         here * vec4(1.0f, 2.0f * per_length, 6.0f * per_length * per_length,
-                                    24.0f * per_length * per_length * per_length) *
+            radial_store(column, first + row,
+                         here * vec3(1.0f, 2.0f * per_length, 6.0f * per_length * per_length) *
                              per_length);
         }
     }

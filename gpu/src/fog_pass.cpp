@@ -9,6 +9,7 @@
 #include "froxel_volume.h"
 #include "paper_data.h"
 #include "radial_table.h"
+#include "wavefog/gpu/pixel_rays.h"
 
 namespace wavefog {
 namespace {
