@@ -46,7 +46,7 @@ vec2 radial_direction(float a) {
     float turns = radial.axis.w != 0.0f ? floor(a / quarter + 0.5f) : 0.0f;
     float q = a - turns * quarter;
     float s = 2.0f * q / (1.0f + sqrt(max(1.0f - 4.0f * bend * q * q, 0.0f)));
-    vec2 axis = radial.axis.xy;
+    vec2 axis = vec2(radial.axis.x, radial.axis.y);
     axis = turns == 0.0f    ? axis
            : turns == 1.0f  ? vec2(-axis.y, axis.x)
            : turns == -1.0f ? vec2(axis.y, -axis.x)
@@ -57,7 +57,7 @@ vec2 radial_direction(float a) {
 // Azimuth coordinate of a horizontal offset from the eye, in any unit.
 float radial_coordinate(vec2 offset) {
     float bend = radial.axis.z;
-    float f = dot(offset, radial.axis.xy);
+    float f = dot(offset, vec2(radial.axis.x, radial.axis.y));
     float s = dot(offset, vec2(-radial.axis.y, radial.axis.x));
     float product = s * f;
     float ff = f * f;

@@ -39,7 +39,9 @@ void radial_fill(int column, int first, int finest) {
     // Uniforms read inside the loop would be read anew each time.
     float per_row = radial.rows.x;
     float root0 = 2.0f * radial.radius.w;
+#if FOG_PROFILE == FOG_UNIFORM
     float enough = radial.stop.x;
+#endif
     vec3 reached = vec3(0.0f);
     int row = 0;
     for (int l = finest; l >= 0; --l) {
@@ -47,7 +49,7 @@ void radial_fill(int column, int first, int finest) {
         if (row >= end) {
             continue;
         }
-        ivec3 level = fog.level[l];
+        ivec4 level = fog.level[l];
         FogGrid grid = fog_grid(origin, slope, l);
         vec2 half_g = 0.5f * grid.g;
         float t = clamp(at, inside.x, inside.y);

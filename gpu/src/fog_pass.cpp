@@ -92,8 +92,12 @@ struct FogPass::Impl {
     Method method;
     Eigen::Vector3d fog_colour;
     // Fog i adds its optical depth to that of the fogs before it; the last one ends in the output.
-    std::vector<Program> add_tau;
-    Program last_colour;
+    struct Programs {
+        std::vector<Program> add_tau;
+        Program last_colour;
+    };
+    Programs programs;
+    Programs orthographic;  ///< method radial: exact, where rays do not share the eye
     std::vector<PaperTextures> paper;     ///< one a fog with the paper's methods, else none
     std::vector<RadialTable> radial;      ///< one a fog with method radial, else none
     std::optional<FroxelVolume> froxels;  ///< draws instead of all this
@@ -106,9 +110,9 @@ struct FogPass::Impl {
          const Eigen::Vector3d& colour)
         : gl(functions), fogs(std::move(drawn)), method(with), fog_colour(colour) {}
 
-    Result<Program> build(std::size_t fog, bool colour) const {
+    Result<Program> build(const Method& with, std::size_t fog, bool colour) const {
         std::vector<std::string> defines = {
-            fmt::format("FOG_METHOD {}", method_number(method, !fogs.empty()))};
+            fmt::format("FOG_METHOD {}", method_number(with, !fogs.empty()))};
         int degree = 0, profile = 0;
         if (!fogs.empty()) {
             const auto& facts = fogs[fog]->impl_->facts;
@@ -117,7 +121,9 @@ struct FogPass::Impl {
             if (facts.boundary == Boundary::repeat) defines.push_back("FOG_REPEAT");
             if (facts.skip) defines.push_back("FOG_SKIP");
         }
-        if (method.kind == MethodKind::paper_scaling) defines.push_back("FOG_PAPER_SCALING");
+        if (with.kind == MethodKind::paper_scaling) defines.push_back("FOG_PAPER_SCALING");
+        if (fog < radial.size() && radial[fog].shape().layers > 1)
+            defines.push_back("RADIAL_LAYERED");
         defines.push_back(fmt::format("FOG_DEGREE {}", degree));
         defines.push_back(fmt::format("FOG_PROFILE {}", profile));
         if (!colour) defines.push_back("FOG_OUTPUT_TAU");
@@ -134,6 +140,20 @@ struct FogPass::Impl {
         bind_block(program->name(), "RadialBlock", kRadialBinding);
         gl.UseProgram(0);
         return program;
+    }
+
+    Result<Programs> build_all(const Method& with) const {
+        const std::size_t count = std::max<std::size_t>(fogs.size(), 1);
+        Programs made;
+        for (std::size_t i = 0; i < count; ++i) {
+            auto program = build(with, i, false);
+            if (!program) return tl::unexpected(program.error());
+            made.add_tau.push_back(std::move(*program));
+        }
+        auto colour = build(with, count - 1, true);
+        if (!colour) return tl::unexpected(colour.error());
+        made.last_colour = std::move(*colour);
+        return made;
     }
 
     void bind_block(GLuint program, const char* name, GLuint binding) const {
@@ -165,7 +185,7 @@ struct FogPass::Impl {
     }
 
     void update_radial(const FrameTarget& frame, const Camera& camera, double seconds) {
-        if (radial.empty()) return;
+        if (radial.empty() || camera.projection == Camera::Projection::orthographic) return;
         const auto view = radial_view(camera_matrices(camera, frame.width, frame.height), camera,
                                       frame.width, frame.height);
         const double limit = sky_limit(camera);
@@ -173,8 +193,7 @@ struct FogPass::Impl {
             const auto& fog = *fogs[i]->impl_;
             radial[i].update(
                 fog_block(fog.facts, camera.eye, method.mu, seconds, limit),
-                radial_block(fog.facts, camera.eye, view, seconds, limit,
-                             {method.radial[0], method.radial[1]}),
+                radial_block(fog.facts, camera.eye, view, seconds, limit, radial[i].shape()),
                 fog.cells.name());
         }
     }
@@ -183,6 +202,8 @@ struct FogPass::Impl {
               bool colour) {
         if (froxels) return froxels->draw(frame, camera, output, seconds, colour);
         update_radial(frame, camera, seconds);
+        const bool shared_eye =
+            radial.empty() || camera.projection == Camera::Projection::perspective;
         const std::size_t count = std::max<std::size_t>(fogs.size(), 1);
         if (count > 1) make_partial_targets(frame.width, frame.height);
         const auto matrices = camera_matrices(camera, frame.width, frame.height);
@@ -197,7 +218,8 @@ struct FogPass::Impl {
         for (std::size_t i = 0; i < count; ++i) {
             const bool last = i + 1 == count;
             gl.BindFramebuffer(GL_FRAMEBUFFER, last ? output : partial[i % 2].framebuffer.name());
-            gl.UseProgram(last && colour ? last_colour.name() : add_tau[i].name());
+            const Programs& used = shared_eye ? programs : orthographic;
+            gl.UseProgram(last && colour ? used.last_colour.name() : used.add_tau[i].name());
             if (!fogs.empty()) {
                 const auto& fog = *fogs[i]->impl_;
                 upload(fog_uniforms, kFogBinding,
@@ -234,7 +256,7 @@ Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fo
     if (method.kind == MethodKind::reference)
         return usage_error(
             "method reference runs on the CPU (class Reference); the fog pass draws "
-            "exact, paper, paper-scaling, march:N, froxel:XxYxZ or homogeneous");
+            "exact, radial, paper, paper-scaling, march:N, froxel:XxYxZ or homogeneous");
     auto impl = std::make_unique<Impl>(gl, std::move(fogs), method, fog_colour);
     if (method.kind == MethodKind::froxel && !impl->fogs.empty()) {
         std::vector<FroxelFog> maps;
@@ -257,15 +279,16 @@ Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fo
             if (!table) return tl::unexpected(table.error());
             impl->radial.push_back(std::move(*table));
         }
-    const std::size_t count = std::max<std::size_t>(impl->fogs.size(), 1);
-    for (std::size_t i = 0; i < count; ++i) {
-        auto program = impl->build(i, false);
-        if (!program) return tl::unexpected(program.error());
-        impl->add_tau.push_back(std::move(*program));
+    auto programs = impl->build_all(method);
+    if (!programs) return tl::unexpected(programs.error());
+    impl->programs = std::move(*programs);
+    if (!impl->radial.empty()) {
+        Method exact = method;
+        exact.kind = MethodKind::exact;
+        programs = impl->build_all(exact);
+        if (!programs) return tl::unexpected(programs.error());
+        impl->orthographic = std::move(*programs);
     }
-    auto colour = impl->build(count - 1, true);
-    if (!colour) return tl::unexpected(colour.error());
-    impl->last_colour = std::move(*colour);
     impl->fog_uniforms =
         make_buffer(gl, GL_UNIFORM_BUFFER, sizeof(shader::FogBlock), nullptr, GL_DYNAMIC_DRAW);
     impl->view_uniforms =
@@ -279,7 +302,7 @@ Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fo
 std::size_t FogPass::bytes() const {
     std::size_t sum = impl_->froxels ? impl_->froxels->bytes() : 0;
     for (const auto& textures : impl_->paper) sum += textures.bytes;
-    for (const auto& table : impl_->radial) sum += table.bytes();
+    for (const auto& table : impl_->radial) sum += table.shape().bytes();
     for (const FogTextures* fog : impl_->fogs) {
         const auto& facts = fog->impl_->facts;
         const std::size_t map = sizeof(float) * static_cast<std::size_t>(facts.width) *

@@ -18,10 +18,18 @@ using Polygon = std::vector<Vector2d>;
 // Azimuth coordinates (fog_radial.glsl). Tangents are 5 times finer this far from the axis, radians;
 // bent ones 1.3 times coarser.
 constexpr double kTangentLimit = 1.1, kBentLimit = 0.87, kBend = 0.28;
-constexpr double kColumnsPerCell = 6, kRowsPerCell = 4;
+
+// Table sizes by measurement: the least for which |dT| stays below 1/510 over three real maps of 64
+// pixels, extinction 0.12/m and cells of 6 m, from inside, from above and looking down. Between slabs
+// two look-ups are subtracted.
+struct Density {
+    double columns, rows;  // a cell; columns at the far end
+};
+constexpr Density kUniform = {6, 4}, kInLayers = {12, 11};
 constexpr int kLeastColumns = 64, kLeastRows = 64;
-// A cell of the next level must be no larger than this part of a pixel.
-constexpr double kDetail = 1;
+constexpr std::size_t kLargestTable = 16 << 20;  // bytes
+// Rows lie by sqrt(L + r0), r0 this part of the whole length: 4 times finer at the eye than far away.
+constexpr double kNearRows = 1.0 / 16;
 // T = 9e-4 behind this much fog: a column ends there, its error below half of what can be seen.
 constexpr double kStopRadial = 7;
 // Repeated maps: periods until the mean along an azimuth is taken to stay.
@@ -159,31 +167,65 @@ RadialView radial_view(const CameraMatrices& matrices, const Camera& camera, int
     return view;
 }
 
+std::size_t RadialShape::bytes() const {
+    return sizeof(float) * static_cast<std::size_t>(channels) * static_cast<std::size_t>(layers) *
+           static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+}
+
+RadialShape radial_shape(const FogFacts& fog, const Method& method) {
+    const int finest = static_cast<int>(fog.levels.size()) - 1;
+    RadialShape shape;
+    switch (fog.profile.kind) {
+        case Profile::Kind::uniform:
+        case Profile::Kind::slab:
+            break;
+        case Profile::Kind::linear:
+            shape.channels = 2;
+            break;
+        case Profile::Kind::exponential:
+            shape.channels = 4;
+            break;
+    }
+    const bool layered = method.mu > 0 && method.mu < 1 && finest > 0;
+    shape.layers = layered ? finest + 1 : 1;
+    shape.finest = method.mu == 1 ? finest : 0;
+    if (method.radial[0] > 0) {
+        shape.columns = method.radial[0];
+        shape.rows = method.radial[1];
+        shape.fixed = true;
+        return shape;
+    }
+    if (layered) shape.rows /= 2;
+    while (shape.bytes() > kLargestTable) shape.columns /= 2;
+    return shape;
+}
+
 shader::RadialBlock radial_block(const FogFacts& fog, const Eigen::Vector3d& eye,
                                  const RadialView& view, double seconds, double limit,
-                                 RadialSize size) {
+                                 const RadialShape& shape) {
     const Extent extent = extent_of(fog, eye, view, seconds, limit);
-    const double cell = std::min((fog.rect.x1 - fog.rect.x0) / fog.width,
-                                 (fog.rect.z1 - fog.rect.z0) / fog.height);
+    const double cell_x = (fog.rect.x1 - fog.rect.x0) / fog.width;
+    const double cell_z = (fog.rect.z1 - fog.rect.z0) / fog.height;
+    const double cell = std::min(cell_x, cell_z);
     const double length = std::max(extent.farthest - extent.nearest, 1e-3 * cell);
+
     const double widest = std::max(-extent.first, extent.last);
     const bool tangents = view.level_pixels > 0 && widest < kTangentLimit;
     const bool wide = !tangents && widest > kBentLimit;
     const double bend = tangents ? 0 : kBend;
     const double first = coordinate_of(extent.first, bend, wide);
     const double last = coordinate_of(extent.last, bend, wide);
-
     // Azimuth steps: part of a cell at the far end, but no finer than pixels.
-    double step = cell / (kColumnsPerCell * std::max(extent.farthest, cell));
     const double left = tangents ? std::tan(view.first) : 0;
-    const double pixel =
-        tangents ? (std::tan(view.last) - left) / view.level_pixels : view.pixel;
-    step = std::max(step, pixel);
-    int columns = std::clamp(static_cast<int>(std::ceil((last - first) / step)) + 1, kLeastColumns,
-                             kRadialLargest.columns);
-    if (size.columns > 0) columns = size.columns;
+    const double pixel = tangents ? (std::tan(view.last) - left) / view.level_pixels : view.pixel;
+    const Density& per_cell = fog.profile.kind == Profile::Kind::uniform ? kUniform : kInLayers;
+    double step = std::max(cell / (per_cell.columns * std::max(extent.farthest, cell)), pixel);
+    int columns = shape.columns;
+    if (!shape.fixed)
+        columns = std::clamp(static_cast<int>(std::ceil((last - first) / step)) + 1, kLeastColumns,
+                             shape.columns);
     double begin = first;
-    step = columns > 1 ? (last - first) / (columns - 1) : 0;
+    step = (last - first) / (columns - 1);
     if (tangents && step <= 1.01 * pixel) {
         // One column a pixel column: nothing is interpolated across.
         const double from = std::floor((first - left) / pixel);
@@ -191,38 +233,38 @@ shader::RadialBlock radial_block(const FogFacts& fog, const Eigen::Vector3d& eye
         columns = std::min(static_cast<int>(std::ceil((last - left) / pixel - from)), columns);
         step = pixel;
     }
+    const double per_step = step > 0 ? 1 / step : 0;
 
-    const int rows = size.rows > 0 ? size.rows
-                             : std::clamp(static_cast<int>(kRowsPerCell * length / cell), kLeastRows,
-                                          kRadialLargest.rows);
-    const double r0 = length / 16;
+    const int rows = shape.fixed ? shape.rows
+                                 : std::clamp(static_cast<int>(per_cell.rows * length / cell),
+                                              kLeastRows, shape.rows);
+    const double r0 = length * kNearRows;
     const double per_row = (std::sqrt(length + r0) - std::sqrt(r0)) / (rows - 1);
 
+    const auto vec = [](double x, double y, double z = 0, double w = 0) {
+        return glm::vec4(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z),
+                         static_cast<float>(w));
+    };
     shader::RadialBlock block{};
-    block.axis = {static_cast<float>(view.axis.x()), static_cast<float>(view.axis.y()),
-                  static_cast<float>(bend), wide ? 1.0f : 0.0f};
-    const double width = size.columns > 0 ? size.columns : kRadialLargest.columns;
-    const double height = size.rows > 0 ? size.rows : kRadialLargest.rows;
-    // Texel i holds column i: u = (i + 1/2) / width.
-    block.azimuth = {static_cast<float>(begin), static_cast<float>(step),
-                     static_cast<float>((0.5 - (step > 0 ? begin / step : 0)) / width),
-                     static_cast<float>((step > 0 ? 1 / step : 0) / width)};
-    block.radius = {static_cast<float>(extent.nearest), static_cast<float>(length),
-                    static_cast<float>(r0), static_cast<float>(std::sqrt(r0))};
-    block.rows = {static_cast<float>(per_row), 0,
-                  static_cast<float>((0.5 - std::sqrt(r0) / per_row) / height),
-                  static_cast<float>(1 / per_row / height)};
-    block.edge = {static_cast<float>(0.5 / width), static_cast<float>((columns - 0.5) / width), 0, 0};
-    block.stop = {static_cast<float>(kStopRadial / (fog.extinction * fog.density_scale)), 0, 0, 0};
-    block.size = {columns, rows, 0, 0};
+    block.axis = vec(view.axis.x(), view.axis.y(), bend, wide);
+    // Texel i holds column i: u = (i + 1/2) / width; rows likewise.
+    const double width = shape.columns, height = shape.rows * shape.layers;
+    block.azimuth = vec(begin, step, (0.5 - begin * per_step) / width, per_step / width);
+    block.radius = vec(extent.nearest, length, r0, std::sqrt(r0));
+    block.rows = vec(per_row, 0, (0.5 - std::sqrt(r0) / per_row) / height, 1 / per_row / height);
+    block.edge = vec(0.5 / width, (columns - 0.5) / width, 1.0 / shape.layers);
+    block.cell = vec(cell_x, cell_z);
+    block.stop = vec(kStopRadial / std::max(fog.extinction * fog.density_scale, 1e-30), 0);
+    block.size = {columns, rows, shape.rows, shape.finest};
     // Cells of level l - 1, twice as large as level l's, serve where they are small in the picture.
     const int finest = static_cast<int>(fog.levels.size()) - 1;
-    for (int l = finest; l >= 0; --l) {
-        const double until = std::ldexp(cell, finest - l + 1) / (kDetail * view.pixel);
+    for (int l = finest; l > 0; --l) {
+        const double until = std::ldexp(std::max(cell_x, cell_z), finest - l + 1) / view.pixel;
         const double root = std::sqrt(std::clamp(until - extent.nearest, 0.0, length) + r0);
         const int row = static_cast<int>((root - std::sqrt(r0)) / per_row);
-        block.level[l] = {l == 0 || view.pixel == 0 ? rows : std::min(row + 1, rows), 0, 0, 0};
+        block.level[l] = {view.pixel == 0 ? rows : std::min(row + 1, rows), 0, 0, 0};
     }
+    block.level[0] = {rows, 0, 0, 0};
     return block;
 }
 

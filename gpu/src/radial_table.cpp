@@ -12,18 +12,10 @@ constexpr int kGroup = 32;  // local_size_x of radial_fill.comp
 struct Format {
     GLenum format;
     const char* name;
-    int channels;
 };
-// As many channels as RADIAL_ORDER of fog_radial.glsl.
-Format format_of(const Profile& profile) {
-    switch (profile.kind) {
-        case Profile::Kind::exponential:
-            return {GL_RGBA32F, "rgba32f", 4};
-        case Profile::Kind::linear:
-            return {GL_RG32F, "rg32f", 2};
-        default:
-            return {GL_R32F, "r32f", 1};
-    }
+Format format_of(int channels) {
+    if (channels == 1) return {GL_R32F, "r32f"};
+    return channels == 2 ? Format{GL_RG32F, "rg32f"} : Format{GL_RGBA32F, "rgba32f"};
 }
 
 void upload(const Gl& gl, const Buffer& buffer, GLuint binding, const void* data,
@@ -37,13 +29,13 @@ void upload(const Gl& gl, const Buffer& buffer, GLuint binding, const void* data
 
 Result<RadialTable> RadialTable::create(const Gl& gl, const FogFacts& fog, const Method& method) {
     RadialTable table(gl);
-    table.size_ = {method.radial[0] > 0 ? method.radial[0] : kRadialLargest.columns,
-                   method.radial[1] > 0 ? method.radial[1] : kRadialLargest.rows};
-    const Format format = format_of(fog.profile);
-    table.channels_ = format.channels;
+    table.shape_ = radial_shape(fog, method);
+    const auto& shape = table.shape_;
+    const Format format = format_of(shape.channels);
+    const int height = shape.rows * shape.layers;
     GLint largest = 0;
     gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
-    if (std::max(table.size_.columns, table.size_.rows) > largest)
+    if (std::max(shape.columns, height) > largest)
         return data_error(fmt::format("{}: this context's textures have at most {} texels a side; "
                                       "use a smaller table",
                                       method.name(), largest));
@@ -62,7 +54,7 @@ Result<RadialTable> RadialTable::create(const Gl& gl, const FogFacts& fog, const
     gl.UniformBlockBinding(name, gl.GetUniformBlockIndex(name, "FogBlock"), kFogBinding);
     gl.UniformBlockBinding(name, gl.GetUniformBlockIndex(name, "RadialBlock"), kRadialBinding);
 
-    table.table_ = make_texture_2d(gl, format.format, table.size_.columns, table.size_.rows, GL_RED,
+    table.table_ = make_texture_2d(gl, format.format, shape.columns, height, GL_RED,
                                    GL_FLOAT, nullptr);
     for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
         gl.TexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
@@ -73,13 +65,8 @@ Result<RadialTable> RadialTable::create(const Gl& gl, const FogFacts& fog, const
     if (const GLenum error = gl.GetError(); error != GL_NO_ERROR)
         return data_error(fmt::format(
             "{}: the context refused a table of {} bytes (GL error 0x{:x}); use a smaller one",
-            method.name(), table.bytes(), error));
+            method.name(), shape.bytes(), error));
     return table;
-}
-
-std::size_t RadialTable::bytes() const {
-    return sizeof(float) * static_cast<std::size_t>(channels_) *
-           static_cast<std::size_t>(size_.columns) * static_cast<std::size_t>(size_.rows);
 }
 
 void RadialTable::update(const shader::FogBlock& fog, const shader::RadialBlock& radial,
@@ -97,13 +84,12 @@ void RadialTable::update(const shader::FogBlock& fog, const shader::RadialBlock&
     gl.ActiveTexture(GL_TEXTURE0 + kCellsUnit);
     gl.BindTexture(GL_TEXTURE_2D, cells);
     gl.BindImageTexture(kImage, table_.name(), 0, GL_FALSE, 0, GL_WRITE_ONLY,
-                        channels_ == 4   ? GL_RGBA32F
-                        : channels_ == 2 ? GL_RG32F
-                                         : GL_R32F);
+                        format_of(shape_.channels).format);
     gl.UseProgram(fill_.name());
     // Stores wait for the look-ups of the frame before.
     gl.MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
-    gl.DispatchCompute(static_cast<GLuint>((radial.size.x + kGroup - 1) / kGroup), 1, 1);
+    gl.DispatchCompute(static_cast<GLuint>((radial.size.x + kGroup - 1) / kGroup),
+                       static_cast<GLuint>(shape_.layers), 1);
     gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
     gl.BindImageTexture(kImage, 0, 0, GL_FALSE, 0, GL_READ_ONLY, GL_R32F);
 }

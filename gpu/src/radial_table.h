@@ -19,15 +19,13 @@ class RadialTable {
 
     GLuint texture() const { return table_.name(); }
     GLuint uniforms() const { return radial_uniforms_.name(); }
-    RadialSize size() const { return size_; }
-    std::size_t bytes() const;  ///< of the table
+    const RadialShape& shape() const { return shape_; }
 
   private:
     explicit RadialTable(const Gl& gl) : gl_(&gl) {}
 
     const Gl* gl_;
-    RadialSize size_;
-    int channels_ = 1;
+    RadialShape shape_;
     Texture table_;
     Program fill_;
     Buffer fog_uniforms_, radial_uniforms_;
