@@ -53,11 +53,14 @@ void radial_fill(int column, int first, int finest) {
         FogGrid grid = fog_grid(origin, slope, l);
         vec2 half_g = 0.5f * grid.g;
         float t = clamp(at, inside.x, inside.y);
-        vec2 k = floor(grid.o + grid.g * t);
+        // On a face, the cell that the ray goes into.
+        vec2 point = grid.o + grid.g * t;
+        vec2 k = vec2(grid.g.x < 0.0f ? ceil(point.x) - 1.0f : floor(point.x),
+                      grid.g.y < 0.0f ? ceil(point.y) - 1.0f : floor(point.y));
         FogCell cell = fog_fetch(level, k + grid.first);
         if (row == 0) {
             // Every mean begins with the density where the walk begins.
-            float density = radial_step(cell, grid.o + grid.g * t - k, vec2(0.0f), 1.0f).x;
+            float density = radial_step(cell, point - k, vec2(0.0f), 1.0f).x;
             radial_store(column, first, vec3(inside.x == start && inside.y > start ? density : 0.0f));
             row = 1;
         }

@@ -26,7 +26,8 @@ struct Density {
     double columns, rows;  // a cell; columns at the far end
 };
 constexpr Density kUniform = {6, 4}, kInLayers = {12, 11};
-constexpr int kLeastColumns = 64, kLeastRows = 64;
+constexpr double kFinerOutside = 3;
+constexpr int kLeastColumns = 256, kLeastRows = 64;
 constexpr std::size_t kLargestTable = 16 << 20;  // bytes
 // Rows lie by sqrt(L + r0), r0 this part of the whole length: 4 times finer at the eye than far away.
 constexpr double kNearRows = 1.0 / 16;
@@ -220,6 +221,8 @@ shader::RadialBlock radial_block(const FogFacts& fog, const Eigen::Vector3d& eye
     const double pixel = tangents ? (std::tan(view.last) - left) / view.level_pixels : view.pixel;
     const Density& per_cell = fog.profile.kind == Profile::Kind::uniform ? kUniform : kInLayers;
     double step = std::max(cell / (per_cell.columns * std::max(extent.farthest, cell)), pixel);
+    // Seen from outside, rays graze the map's edges.
+    if (extent.nearest > 0) step /= kFinerOutside;
     int columns = shape.columns;
     if (!shape.fixed)
         columns = std::clamp(static_cast<int>(std::ceil((last - first) / step)) + 1, kLeastColumns,
