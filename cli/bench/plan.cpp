@@ -64,7 +64,8 @@ Result<std::vector<Group>> plan_list(const std::vector<BenchScene>& scenes,
     return groups;
 }
 
-/// Every method swept over its knob: N, the grid of froxels, mu, and the number of levels at mu 0.
+/// Every method swept over its knob: N, table sizes, the grid of froxels, mu, and the number of
+/// levels at mu 0.
 Result<std::vector<Group>> plan_chart(const std::vector<BenchScene>& scenes,
                                       const PlanOptions& options) {
     const auto wavelet_methods = options.methods.empty()
@@ -72,9 +73,10 @@ Result<std::vector<Group>> plan_chart(const std::vector<BenchScene>& scenes,
                                      : options.methods;
     const auto baselines =
         options.methods.empty()
-            ? methods_named({"march:8", "march:16", "march:32", "march:64", "march:128",
-                             "march:256", "march:512", "froxel:80x45x32", "froxel:160x90x64",
-                             "froxel:240x135x64", "froxel:320x180x128"})
+            ? methods_named({"radial:128x32", "radial:256x64", "radial:512x128", "radial:1024x256",
+                             "radial:2048x512", "march:8", "march:16", "march:32", "march:64",
+                             "march:128", "march:256", "march:512", "froxel:80x45x32",
+                             "froxel:160x90x64", "froxel:240x135x64", "froxel:320x180x128"})
             : std::vector<Method>{};
     const auto mus = options.mus.empty() ? chart_mus : options.mus;
     const auto levels = options.levels.empty() ? std::vector<int>{3, 1, 2, 4, 5} : options.levels;
@@ -113,8 +115,9 @@ Result<std::vector<T>> parse_list(const std::string& text, Parse parse) {
 
 Result<std::vector<Group>> plan(const std::vector<BenchScene>& scenes, const PlanOptions& options,
                                 std::vector<std::string>& cut) {
-    const auto methods = options.methods.empty() ? methods_named({"exact", "march:32", "march:256"})
-                                                 : options.methods;
+    const auto methods = options.methods.empty()
+                             ? methods_named({"radial", "exact", "march:32", "march:256"})
+                             : options.methods;
     switch (options.preset) {
         case Preset::chart:
             return plan_chart(scenes, options);

@@ -16,7 +16,8 @@ constexpr int kMinTable = 2, kMaxTable = 128;
 constexpr int kMaxFroxels = 1024;
 constexpr int kMinRadial = 2, kMaxRadial = 8192;
 constexpr const char* kMethods =
-    "reference, exact, radial[:AZIMUTHSxROWS], paper[:N[:perimeter]], paper-scaling[:N[:perimeter]], march:N, "
+    "reference, exact, radial[:AZIMUTHSxROWS], paper[:N[:perimeter]], "
+    "paper-scaling[:N[:perimeter]], march:N, "
     "froxel:XxYxZ, homogeneous";
 
 std::vector<std::string_view> split(std::string_view text, char at) {

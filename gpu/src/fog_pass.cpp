@@ -37,10 +37,9 @@ struct Sampler {
     const char* name;
     GLint unit;
 };
-constexpr Sampler kSamplers[] = {{"fog_cells", 0},    {"fog_map", 1},       {"scene_depth", 2},
-                                 {"scene_colour", 3}, {"previous_tau", 4},  {"paper_bands", 5},
-                                 {"paper_paths", 6},  {"paper_partials", 7},
-                                 {"radial_table", 8}};
+constexpr Sampler kSamplers[] = {{"fog_cells", 0},    {"fog_map", 1},        {"scene_depth", 2},
+                                 {"scene_colour", 3}, {"previous_tau", 4},   {"paper_bands", 5},
+                                 {"paper_paths", 6},  {"paper_partials", 7}, {"radial_table", 8}};
 constexpr GLint kUnits = 9;
 constexpr GLuint kFogBinding = 0, kViewBinding = 1, kPaperBinding = 2, kRadialBinding = 3;
 
@@ -97,7 +96,7 @@ struct FogPass::Impl {
         Program last_colour;
     };
     Programs programs;
-    Programs orthographic;  ///< method radial: exact, where rays do not share the eye
+    Programs orthographic;                ///< method radial: exact, where rays do not share the eye
     std::vector<PaperTextures> paper;     ///< one a fog with the paper's methods, else none
     std::vector<RadialTable> radial;      ///< one a fog with method radial, else none
     std::optional<FroxelVolume> froxels;  ///< draws instead of all this

@@ -11,15 +11,7 @@ struct Ray {
     float eta = 0, rise = 0, metres = 0, passed = 0, last = 1;
 };
 
-enum class Evaluation {
-    exact,
-    march,
-    homogeneous,
-    paper,
-    paper_scaling,
-    radial,
-    radial_layered
-};
+enum class Evaluation { exact, march, homogeneous, paper, paper_scaling, radial, radial_layered };
 
 /// The shader's defines: FOG_DEGREE, FOG_PROFILE, FOG_REPEAT, FOG_SKIP.
 struct Variant {

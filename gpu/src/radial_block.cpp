@@ -15,21 +15,22 @@ namespace {
 using Eigen::Vector2d;
 using Polygon = std::vector<Vector2d>;
 
-// Azimuth coordinates (fog_radial.glsl). Tangents are 5 times finer this far from the axis, radians;
-// bent ones 1.3 times coarser.
+// Azimuth coordinates (fog_radial.glsl). Tangents are 5 times finer this far from the axis,
+// radians; bent ones 1.3 times coarser.
 constexpr double kTangentLimit = 1.1, kBentLimit = 0.87, kBend = 0.28;
 
 // Table sizes by measurement: the least for which |dT| stays below 1/510 over three real maps of 64
-// pixels, extinction 0.12/m and cells of 6 m, from inside, from above and looking down. Between slabs
-// two look-ups are subtracted.
+// pixels, extinction 0.12/m and cells of 6 m, from inside, from above and looking down. Between
+// slabs two look-ups are subtracted.
 struct Density {
     double columns, rows;  // a cell; columns at the far end
 };
 constexpr Density kUniform = {6, 4}, kInLayers = {12, 11};
-constexpr double kFinerOutside = 3;
+constexpr double kFinerOutside = 4;
 constexpr int kLeastColumns = 256, kLeastRows = 64;
 constexpr std::size_t kLargestTable = 16 << 20;  // bytes
-// Rows lie by sqrt(L + r0), r0 this part of the whole length: 4 times finer at the eye than far away.
+// Rows lie by sqrt(L + r0), r0 this part of the whole length: 4 times finer at the eye than far
+// away.
 constexpr double kNearRows = 1.0 / 16;
 // T = 9e-4 behind this much fog: a column ends there, its error below half of what can be seen.
 constexpr double kStopRadial = 7;
@@ -51,7 +52,8 @@ Polygon clip(const Polygon& polygon, const Vector2d& edge, double side) {
         const Vector2d &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
         const double da = side * cross(edge, a), db = side * cross(edge, b);
         if (da >= 0) kept.push_back(a);
-        if ((da > 0 && db < 0) || (da < 0 && db > 0)) kept.push_back(a + (b - a) * (da / (da - db)));
+        if ((da > 0 && db < 0) || (da < 0 && db > 0))
+            kept.push_back(a + (b - a) * (da / (da - db)));
     }
     return kept;
 }
@@ -98,8 +100,7 @@ Extent extent_of(const FogFacts& fog, const Eigen::Vector3d& eye, const RadialVi
         extent.last = view.last;
     }
     if (fog.boundary == Boundary::repeat) {
-        const double period =
-            std::max(fog.rect.x1 - fog.rect.x0, fog.rect.z1 - fog.rect.z0);
+        const double period = std::max(fog.rect.x1 - fog.rect.x0, fog.rect.z1 - fog.rect.z0);
         extent.farthest = std::min(limit, kPeriods * period);
         return extent;
     }
@@ -158,7 +159,8 @@ RadialView radial_view(const CameraMatrices& matrices, const Camera& camera, int
     view.last = -std::numbers::pi;
     for (const double x : {-1.0, 1.0})
         for (const double y : {-1.0, 1.0}) {
-            const Eigen::Vector4d far_point = from_clip * Eigen::Vector4d(x, y, matrices.sky_depth, 1);
+            const Eigen::Vector4d far_point =
+                from_clip * Eigen::Vector4d(x, y, matrices.sky_depth, 1);
             const double angle = angle_from(view.axis, {far_point.x(), far_point.z()});
             view.first = std::min(view.first, angle);
             view.last = std::max(view.last, angle);

@@ -1,4 +1,5 @@
-// Where the table of method radial has its columns and rows: from fog, camera and picture, in double.
+// Where the table of method radial has its columns and rows: from fog, camera and picture, in
+// double.
 #pragma once
 
 #include "fog_uniforms.h"
@@ -28,8 +29,8 @@ struct RadialView {
 };
 RadialView radial_view(const CameraMatrices& matrices, const Camera& camera, int width, int height);
 
-/// The table for rays from `eye`, in repeated fog no longer than `limit` metres. Columns keep to the
-/// fog's part of the view, rows to its distances.
+/// The table for rays from `eye`, in repeated fog no longer than `limit` metres. Columns keep to
+/// the fog's part of the view, rows to its distances.
 shader::RadialBlock radial_block(const FogFacts& fog, const Eigen::Vector3d& eye,
                                  const RadialView& view, double seconds, double limit,
                                  const RadialShape& shape);

@@ -36,9 +36,10 @@ Result<RadialTable> RadialTable::create(const Gl& gl, const FogFacts& fog, const
     GLint largest = 0;
     gl.GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
     if (std::max(shape.columns, height) > largest)
-        return data_error(fmt::format("{}: this context's textures have at most {} texels a side; "
-                                      "use a smaller table",
-                                      method.name(), largest));
+        return data_error(
+            fmt::format("{}: this context's textures have at most {} texels a side; "
+                        "use a smaller table",
+                        method.name(), largest));
     std::vector<std::string> defines = {fmt::format("FOG_DEGREE {}", fog.degree),
                                         fmt::format("FOG_PROFILE {}", profile_number(fog.profile)),
                                         fmt::format("RADIAL_FORMAT {}", format.name)};
@@ -54,8 +55,8 @@ Result<RadialTable> RadialTable::create(const Gl& gl, const FogFacts& fog, const
     gl.UniformBlockBinding(name, gl.GetUniformBlockIndex(name, "FogBlock"), kFogBinding);
     gl.UniformBlockBinding(name, gl.GetUniformBlockIndex(name, "RadialBlock"), kRadialBinding);
 
-    table.table_ = make_texture_2d(gl, format.format, shape.columns, height, GL_RED,
-                                   GL_FLOAT, nullptr);
+    table.table_ =
+        make_texture_2d(gl, format.format, shape.columns, height, GL_RED, GL_FLOAT, nullptr);
     for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
         gl.TexParameteri(GL_TEXTURE_2D, filter, GL_LINEAR);
     table.fog_uniforms_ =

@@ -7,7 +7,8 @@
 
 namespace wavefog {
 
-/// One fog's table around the eye, filled by a compute shader and kept until eye, view or fog change.
+/// One fog's table around the eye, filled by a compute shader and kept until eye, view or fog
+/// change.
 class RadialTable {
   public:
     static Result<RadialTable> create(const Gl& gl, const FogFacts& fog, const Method& method);

@@ -195,8 +195,13 @@ double ShaderOnCpu::optical_depth(const Eigen::Vector3d& o, const Eigen::Vector3
         table = impl_->radial_around(o);
         const auto& shape = impl_->radial_shape;
         s::radial = table->block;
-        s::radial_table = {&table->texels.front().x, shape.columns, shape.rows * shape.layers, 3,
-                           false, true, true};
+        s::radial_table = {&table->texels.front().x,
+                           shape.columns,
+                           shape.rows * shape.layers,
+                           3,
+                           false,
+                           true,
+                           true};
     }
     return s::evaluate(impl_->variant(), evaluation, ray, impl_->method.samples);
 }

@@ -107,8 +107,9 @@ TEST_CASE("radial: every basis, profile and camera within 1/510 of the reference
                 CAPTURE(std::string(cases[i].name));
                 CAPTURE(degree);
                 CAPTURE(static_cast<int>(profile.kind));
-                // A Haar map's integral has a kink wherever a column passes a cell's corner and jumps
-                // where it runs along an edge, by up to what a cell holds: 0.05/m * 0.75 * 1 m.
+                // A Haar map's integral has a kink wherever a column passes a cell's corner and
+                // jumps where it runs along an edge, by up to what a cell holds: 0.05/m * 0.75 * 1
+                // m.
                 CHECK_LE(errors.largest, degree == 0 ? 0.0375 : kVisible);
                 CHECK_LE(errors.p99, degree == 0 ? 0.006 : kVisible);
             }
@@ -207,8 +208,9 @@ TEST_CASE("radial: a kept table draws the same bits, and follows eye, view and w
     CHECK(later != first);
     Fog moved = fog;
     moved.rect = {fog.rect.x0 + 1.5, fog.rect.z0 - 0.75, fog.rect.x1 + 1.5, fog.rect.z1 - 0.75};
-    CHECK_LE(errors_of(picture, camera, draw(gl, pass, picture, camera, 3), {Reference(moved)}).largest,
-             kVisible);
+    CHECK_LE(
+        errors_of(picture, camera, draw(gl, pass, picture, camera, 3), {Reference(moved)}).largest,
+        kVisible);
     Camera elsewhere = camera;
     elsewhere.eye.x() += 0.5;
     Camera turned = camera;
@@ -261,9 +263,10 @@ TEST_CASE("radial: rule of mu") {
             CAPTURE(static_cast<int>(profile.kind));
             CAPTURE(mu);
             // Up to five look-ups, each as good as one at mu = 1.
-            CHECK_LE(errors_of(picture, camera, draw(gl, pass, picture, camera), {Reference(fog)}, mu)
-                         .largest,
-                     (mu > 0 ? 5 : 1) * kVisible);
+            CHECK_LE(
+                errors_of(picture, camera, draw(gl, pass, picture, camera), {Reference(fog)}, mu)
+                    .largest,
+                (mu > 0 ? 5 : 1) * kVisible);
         }
     }
 }

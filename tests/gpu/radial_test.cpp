@@ -29,7 +29,8 @@ TEST_CASE("radial on the CPU: rays in all directions within 1/510 of the referen
     Random random(89);
     for (const Boundary boundary : {Boundary::zero, Boundary::repeat})
         for (int degree = 1; degree <= 2; ++degree) {
-            Fog fog = random_fog(24, 18, {.degree = degree, .levels = 1, .boundary = boundary}, random);
+            Fog fog =
+                random_fog(24, 18, {.degree = degree, .levels = 1, .boundary = boundary}, random);
             for (const auto& profile : all_profiles()) {
                 fog.profile = profile;
                 const Reference reference(fog);
@@ -76,7 +77,8 @@ TEST_CASE("radial on the CPU: r -> 0 is finite and continuous, also on cell edge
                         // Straight down an edge, either side's density will do.
                         if (degree == 0 && p.x() == o.x()) continue;
                         // The exponential profile's spline is within 0.3 % and ends at 7 heights.
-                        CHECK_LE(transmittance_error(tau, reference.optical_depth(o, p)), 1.0 / 510);
+                        CHECK_LE(transmittance_error(tau, reference.optical_depth(o, p)),
+                                 1.0 / 510);
                     }
         }
     }
@@ -84,7 +86,8 @@ TEST_CASE("radial on the CPU: r -> 0 is finite and continuous, also on cell edge
 
 TEST_CASE("radial on the CPU: a constant map has the exponential profile's error alone") {
     Random random(101);
-    Fog fog = fog_of(make_map<float>(MapKind::constant, 16, 16, random), {.degree = 0, .levels = 1});
+    Fog fog =
+        fog_of(make_map<float>(MapKind::constant, 16, 16, random), {.degree = 0, .levels = 1});
     fog.rect = {-200, -200, 200, 200};
     fog.extinction = 0.05;
     fog.profile = {.kind = Profile::Kind::exponential, .base = 1, .scale = 4};
