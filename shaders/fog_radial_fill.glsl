@@ -1,22 +1,31 @@
 // Filling the table of method radial (fog_radial.glsl). Compiles as GLSL and as C++; the includer
 // defines radial_store(column, row, means).
 
-// A_n of one step of d metres through a cell; its middle m and half extent `half_step` in cells. The
-// moments are means of s^k (1 - s)^(n-1) / (2^(n-1) (n-1)!) over s in [-1, 1].
-vec3 radial_step(FogCell cell, vec2 m, vec2 half_step, float d) {
-    float area = half_step.x * half_step.y;
-    FogMoments h1 = FogMoments(1.0f, 0.0f, 1.0f / 3.0f, 0.0f, 1.0f / 5.0f);
-    vec3 step = vec3(fog_mean(cell, m, half_step, area, h1), 0.0f, 0.0f);
+// A_n over the first d metres of a line whose s counts metres.
+vec3 radial_step(FogLine line, float d) {
+    vec3 sum = vec3(d * (line.s0 + d * ((1.0f / 2.0f) * line.s1 + d * (1.0f / 3.0f) * line.s2)), 0.0f,
+                    0.0f);
+#if FOG_DEGREE == 2
+    float d4 = (d * d) * (d * d);
+    sum.x += d4 * ((1.0f / 4.0f) * line.s3 + d * (1.0f / 5.0f) * line.s4);
+#endif
 #if RADIAL_ORDER >= 2
-    FogMoments h2 = FogMoments(1.0f / 2.0f, -1.0f / 6.0f, 1.0f / 6.0f, -1.0f / 10.0f, 1.0f / 10.0f);
-    step.y = d * fog_mean(cell, m, half_step, area, h2);
+    float d2 = d * d;
+    sum.y = d2 * ((1.0f / 2.0f) * line.s0 +
+                  d * ((1.0f / 6.0f) * line.s1 + d * (1.0f / 12.0f) * line.s2));
+#if FOG_DEGREE == 2
+    sum.y += d * d4 * ((1.0f / 20.0f) * line.s3 + d * (1.0f / 30.0f) * line.s4);
+#endif
 #endif
 #if RADIAL_ORDER >= 3
-    FogMoments h3 = FogMoments(1.0f / 6.0f, -1.0f / 12.0f, 1.0f / 15.0f, -1.0f / 20.0f, 3.0f / 70.0f);
-    step.z = d * d * fog_mean(cell, m, half_step, area, h3);
+    sum.z = d * d2 * ((1.0f / 6.0f) * line.s0 +
+                      d * ((1.0f / 24.0f) * line.s1 + d * (1.0f / 60.0f) * line.s2));
+#if FOG_DEGREE == 2
+    sum.z += d2 * d4 * ((1.0f / 120.0f) * line.s3 + d * (1.0f / 210.0f) * line.s4);
+#endif
 #endif
     // Approximations of degree >= 1 can be negative: a step that is, counts as empty.
-    return step.x > 0.0f ? d * step : vec3(0.0f);
+    return sum.x > 0.0f ? sum : vec3(0.0f);
 }
 
 // Fills one column of the table of levels 0..finest by walking outwards. `first` is its first row.
@@ -51,17 +60,17 @@ void radial_fill(int column, int first, int finest) {
         }
         ivec4 level = fog.level[l];
         FogGrid grid = fog_grid(origin, slope, l);
-        vec2 half_g = 0.5f * grid.g;
+        float twist = grid.g.x * grid.g.y;
         float t = clamp(at, inside.x, inside.y);
         // On a face, the cell that the ray goes into.
         vec2 point = grid.o + grid.g * t;
         vec2 k = vec2(grid.g.x < 0.0f ? ceil(point.x) - 1.0f : floor(point.x),
                       grid.g.y < 0.0f ? ceil(point.y) - 1.0f : floor(point.y));
-        FogCell cell = fog_fetch(level, k + grid.first);
+        FogLine line = fog_line(fog_fetch(level, k + grid.first), point - k, grid.g, twist);
         if (row == 0) {
             // Every mean begins with the density where the walk begins.
-            float density = radial_step(cell, point - k, vec2(0.0f), 1.0f).x;
-            radial_store(column, first, vec3(inside.x == start && inside.y > start ? density : 0.0f));
+            float density = inside.x == start && inside.y > start ? max(line.s0, 0.0f) : 0.0f;
+            radial_store(column, first, vec3(density));
             row = 1;
         }
         vec2 cross = (k + grid.face) * grid.per_cell;
@@ -75,18 +84,16 @@ void radial_fill(int column, int first, int finest) {
             // Whole cells up to the row, then a part of one; `sum` and t stay at the cell's entry.
             while (next < until) {
                 float d = next - t;
-                sum = radial_join(
-                    sum, radial_step(cell, grid.o + half_g * (t + next) - k, half_g * d, d), d);
+                sum = radial_join(sum, radial_step(line, d), d);
                 k = vec2(cross.x <= next ? k.x + grid.forward.x : k.x,
                          cross.y <= next ? k.y + grid.forward.y : k.y);
                 t = next;
-                cell = fog_fetch(level, k + grid.first);
+                line = fog_line(fog_fetch(level, k + grid.first), grid.o + grid.g * t - k, grid.g, twist);
                 cross = (k + grid.face) * grid.per_cell;
                 next = max(min(cross.x, cross.y), t);
             }
             float d = max(until - t, 0.0f);
-            reached = radial_join(
-                sum, radial_step(cell, grid.o + half_g * (t + until) - k, half_g * d, d), d);
+            reached = radial_join(sum, radial_step(line, d), d);
             vec3 here = reached;
 #if RADIAL_ORDER > 1
             // Behind the map the higher integrals still grow. (Before it all are 0.)
