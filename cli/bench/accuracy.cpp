@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "parallel.h"
+#include "wavefog/fogmap/bound.h"
 #include "wavefog/fogmap/reference.h"
 #include "wavefog/gpu/pixel_rays.h"
 
@@ -81,19 +82,71 @@ double ssim(int width, int height, const std::vector<double>& a, const std::vect
     return sum / double(aa.size());
 }
 
-Truth compute_truth(const std::vector<Fog>& fogs, const Camera& camera, const Image& depth) {
-    Truth truth{depth.width, depth.height, std::vector<double>(depth.pixels.size(), 0.0)};
+Truth compute_truth(const std::vector<Fog>& fogs, const Camera& camera, const Image& depth,
+                    int stride) {
+    Truth truth;
+    truth.width = (depth.width + stride - 1) / stride;
+    truth.height = (depth.height + stride - 1) / stride;
+    truth.tau.resize(std::size_t(truth.width) * std::size_t(truth.height));
+    truth.stride = stride;
     const std::vector<Reference> references(fogs.begin(), fogs.end());
-    const PixelRays rays(camera, truth.width, truth.height);
+    const PixelRays rays(camera, depth.width, depth.height);
     const auto integrate_rows = [&](std::size_t begin, std::size_t end) {
         for (int y = int(begin); y < int(end); ++y)
             for (int x = 0; x < truth.width; ++x) {
-                truth.tau[std::size_t(y * truth.width + x)] =
-                    rays.optical_depth(references, rays.at(x, y, double(depth.at(x, y, 0))));
+                truth.tau[std::size_t(y * truth.width + x)] = rays.optical_depth(
+                    references,
+                    rays.at(stride * x, stride * y, double(depth.at(stride * x, stride * y, 0))));
             }
     };
     parallel_chunks("integrating the truth", std::size_t(truth.height), 4, integrate_rows);
     return truth;
+}
+
+Image every_nth(const Image& image, int stride) {
+    if (stride == 1) return image;
+    Image sparse{(image.width + stride - 1) / stride,
+                 (image.height + stride - 1) / stride,
+                 image.channels,
+                 {}};
+    for (int y = 0; y < sparse.height; ++y)
+        for (int x = 0; x < sparse.width; ++x)
+            for (int c = 0; c < sparse.channels; ++c)
+                sparse.pixels.push_back(image.at(stride * x, stride * y, c));
+    return sparse;
+}
+
+RayReach ray_reach(const std::vector<Fog>& fogs, const Camera& camera, const Image& depth) {
+    const std::vector<Reference> references(fogs.begin(), fogs.end());
+    const PixelRays rays(camera, depth.width, depth.height);
+    RayReach reach;
+    const auto include = [&](const Eigen::Vector3d& path) {
+        reach.length = std::max(reach.length, path.norm());
+        reach.rise = std::max(reach.rise, std::abs(path.y()));
+    };
+    for (int y = 0; y < depth.height; ++y)
+        for (int x = 0; x < depth.width; ++x) {
+            const PixelRay ray = rays.at(x, y, double(depth.at(x, y, 0)));
+            const Eigen::Vector3d path = ray.end - ray.origin;
+            if (!ray.sky) include(path);
+            for (const Reference& fog : references)
+                if (ray.sky) include(path * fog.far_end(ray.origin, path, sky_limit(camera)));
+        }
+    return reach;
+}
+
+std::optional<double> certified_bound(const std::vector<Fog>& fogs, const Method& method,
+                                      const RayReach& reach) {
+    const bool paper = method.kind == MethodKind::paper || method.kind == MethodKind::paper_scaling;
+    if (method.kind != MethodKind::exact && !paper) return std::nullopt;
+    double tau = 0;
+    for (const Fog& fog : fogs) {
+        // Their tables are exact for degree 0 and 1 with mean densities alone.
+        if (paper && (fog.degree() > 1 || method.layout != PathLayout::mean)) return std::nullopt;
+        if (method.mu < 1)
+            tau += DetailBound(fog).optical_depth(method.mu, reach.length, reach.rise);
+    }
+    return std::min(-std::expm1(-tau) + kRounding, 1.0);
 }
 
 Accuracy measure_accuracy(const Truth& truth, const Image& tau, const Image& scene,

@@ -1,6 +1,7 @@
 // How far a picture is from the truth.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "wavefog/fogmap/image.h"
@@ -12,11 +13,31 @@ namespace wavefog::cli {
 struct Truth {
     int width = 0, height = 0;
     std::vector<double> tau;
+    int stride = 1;  ///< pixel (x, y) is the picture's (stride x, stride y)
 };
 
 /// From the depth buffer that the fog passes read, on all cores. `fogs` as undecomposed() makes
 /// them: the finest map itself.
-Truth compute_truth(const std::vector<Fog>& fogs, const Camera& camera, const Image& depth);
+Truth compute_truth(const std::vector<Fog>& fogs, const Camera& camera, const Image& depth,
+                    int stride = 1);
+
+/// Every stride-th pixel of every stride-th row, as a Truth of that stride has them.
+Image every_nth(const Image& image, int stride);
+
+/// What rays a picture has: bounds on errors need no more.
+struct RayReach {
+    double length = 0;  ///< the longest inside a fog's box or up to a surface, metres
+    double rise = 0;    ///< the largest difference in height of such a ray's ends, metres
+};
+RayReach ray_reach(const std::vector<Fog>& fogs, const Camera& camera, const Image& depth);
+
+/// What float32 may add to a certified bound: the accuracy that the tests hold the shaders to.
+inline constexpr double kRounding = 2e-6;
+
+/// Certified bound on |dT| for every ray of that reach, dropped details and rounding together;
+/// empty for methods that sample or interpolate.
+std::optional<double> certified_bound(const std::vector<Fog>& fogs, const Method& method,
+                                      const RayReach& reach);
 
 struct Accuracy {
     double max_dT = 0, p99_dT = 0;  ///< of |T - T_true| over the pixels

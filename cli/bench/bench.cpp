@@ -9,6 +9,7 @@
 #include "bench/plan.h"
 #include "bench/provenance.h"
 #include "bench/readme.h"
+#include "bench/scale.h"
 #include "bench/stability.h"
 #include "command.h"
 #include "files.h"
@@ -59,6 +60,7 @@ Result<Results> measure(const BenchOptions& options) {
         scenes.push_back(*std::move(scene));
         for (fs::path& named : files_of_scene(file)) files.push_back(std::move(named));
     }
+    if (options.plan.preset == Preset::scale) scenes = scale_scenes(scenes);
     Results results;
     const Result<std::unique_ptr<Context>> context = create_context(options.context);
     if (!context) return tl::unexpected(context.error());
@@ -156,7 +158,11 @@ Command add_bench(CLI::App& root) {
         "Presets: speed (few methods, one table), chart (every method over its knob: cost against\n"
         "error), paper-tables (tables 1 to 3 of paper 004 beside ours; the first scene with its "
         "map\n"
-        "averaged to 16x16, 32x32 and 64x64), stability (where methods fail; needs no scene).\n"
+        "averaged to 16x16, 32x32 and 64x64), stability (where methods fail; needs no scene), "
+        "scale\n"
+        "(the first map of each scene at 64x64 to 4096x4096, mirrored where it is smaller, from "
+        "five\n"
+        "cameras).\n"
         "Charts need gnuplot.\n"
         "\n"
         "Example:\n"

@@ -55,6 +55,7 @@ struct Measurement::Stage {
     Output fogged, pilot_fogged;  ///< RGBA16F, what is timed
     Output fine;                  ///< RGBA32F, what accuracy is measured on
     Image scene_colour, depth;
+    RayReach reach;
 
     static Result<Stage> create(const Gl& gl, const Scene& scene, const Size& size) {
         Stage stage;
@@ -87,6 +88,7 @@ struct Measurement::Stage {
 
 struct Measurement::Contender {
     std::size_t variant = 0;
+    Method method;
     FogPass pass;
     Row row;
     double estimate = 0;  ///< seconds of a frame
@@ -113,13 +115,14 @@ void Measurement::show_progress(const std::string& doing) const {
 
 Result<const Truth*> Measurement::truth(const Group& group, const Variant& variant,
                                         const Stage& stage) {
-    const std::string key = fmt::format("{}:{}x{}:{}", group.scene, group.size.width,
-                                        group.size.height, variant.truth_key);
+    const std::string key = fmt::format("{}:{}x{}/{}:{}", group.scene, group.size.width,
+                                        group.size.height, group.stride, variant.truth_key);
     if (const auto found = truths_.find(key); found != truths_.end()) return &found->second;
     const Result<std::vector<Fog>> fogs = undecomposed(variant.fogs);
     if (!fogs) return tl::unexpected(fogs.error());
     const Camera& camera = scenes_[group.scene].scene.camera;
-    return &truths_.emplace(key, compute_truth(*fogs, camera, stage.depth)).first->second;
+    return &truths_.emplace(key, compute_truth(*fogs, camera, stage.depth, group.stride))
+                .first->second;
 }
 
 Result<void> Measurement::run(const std::vector<Group>& groups, Results& results) {
@@ -151,6 +154,8 @@ Result<void> Measurement::run_group(const Group& group, double seconds, Results&
     Result<Stage> stage = Stage::create(context_.gl(), scene, group.size);
     if (!stage) return tl::unexpected(stage.error());
 
+    if (!group.variants.empty())
+        stage->reach = ray_reach(group.variants.front().fogs, scene.camera, stage->depth);
     // Truths come first: they do not disturb the timing.
     std::vector<const Truth*> truths;
     for (const Variant& variant : group.variants) {
@@ -169,7 +174,7 @@ Result<void> Measurement::run_group(const Group& group, double seconds, Results&
             return;
         }
         row.bytes = pass->bytes();
-        contenders.push_back({variant, *std::move(pass), std::move(row), 0, 0, {}, {}});
+        contenders.push_back({variant, method, *std::move(pass), std::move(row), 0, 0, {}, {}});
     };
     enter(0, homogeneous_method());
     for (const Case& one : group.cases)
@@ -184,6 +189,8 @@ Result<void> Measurement::run_group(const Group& group, double seconds, Results&
             show_progress(label(contender.row));
             fill_times(contender, homogeneous_ms);
             fill_accuracy(contender, *truths[contender.variant], *stage, scene);
+            contender.row.bound_dT = certified_bound(group.variants[contender.variant].fogs,
+                                                     contender.method, stage->reach);
         }
         results.rows.push_back(std::move(contender.row));
     }
@@ -273,9 +280,11 @@ void Measurement::fill_accuracy(Contender& contender, const Truth& truth, const 
     const Gl& gl = context_.gl();
     const GLuint target = stage.fine.framebuffer.name();
     contender.pass.draw_optical_depth(stage.frame, scene.camera, target);
-    const Image tau =
-        read_texture(gl, stage.fine.texture.name(), stage.size.width, stage.size.height, 4);
-    const Accuracy accuracy = measure_accuracy(truth, tau, stage.scene_colour, scene.fog_colour);
+    const Image tau = every_nth(
+        read_texture(gl, stage.fine.texture.name(), stage.size.width, stage.size.height, 4),
+        truth.stride);
+    const Accuracy accuracy =
+        measure_accuracy(truth, tau, every_nth(stage.scene_colour, truth.stride), scene.fog_colour);
     Row& row = contender.row;
     row.max_dT = accuracy.max_dT;
     row.p99_dT = accuracy.p99_dT;

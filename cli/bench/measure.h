@@ -31,6 +31,7 @@ struct Group {
     Size size;
     std::vector<Variant> variants;
     std::vector<Case> cases;
+    int stride = 1;  ///< errors are measured in every stride-th pixel of every stride-th row
 };
 
 struct MeasureOptions {

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "bench/paper_tables.h"
+#include "bench/scale.h"
 
 namespace wavefog::cli {
 namespace {
@@ -126,6 +127,11 @@ Result<std::vector<Group>> plan(const std::vector<BenchScene>& scenes, const Pla
                 cut.push_back(
                     fmt::format("{}: paper-tables measures one scene, the first", scenes[i].name));
             return plan_paper_tables(scenes.front(), options.size.value_or(Size{800, 600}));
+        case Preset::scale:
+            return plan_scale(
+                scenes, options.size.value_or(Size{800, 600}),
+                options.methods.empty() ? methods_named({"exact", "march:32"}) : options.methods,
+                options.mus.empty() ? std::vector<double>{1, 0.95} : options.mus);
         default:
             return plan_list(scenes, options, methods,
                              options.mus.empty() ? std::vector<double>{1} : options.mus);
@@ -136,6 +142,7 @@ double preset_seconds(Preset preset) {
     switch (preset) {
         case Preset::chart:
         case Preset::paper_tables:
+        case Preset::scale:
             return 780;  // with loading and drawing below a quarter of an hour
         default:
             return 0;
