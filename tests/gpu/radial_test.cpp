@@ -114,6 +114,7 @@ TEST_CASE("radial on the CPU: the last eye's table is kept, another eye's is its
     const Eigen::Vector3d a(3.3, 2.1, 5.2), b(-7.1, 1, 2), p(12, 3, -4);
     const double from_a = shader.optical_depth(a, p), from_b = shader.optical_depth(b, p);
     CHECK(from_a != from_b);
+    CHECK(radial_of(fog).optical_depth(b, p) == from_b);
     CHECK(shader.optical_depth(a, p) == from_a);
     CHECK(shader.optical_depth(b, p) == from_b);
     CHECK(shader.optical_depth(a, a) == 0);
