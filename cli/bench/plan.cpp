@@ -128,11 +128,11 @@ Result<std::vector<Group>> plan(const std::vector<BenchScene>& scenes, const Pla
                     fmt::format("{}: paper-tables measures one scene, the first", scenes[i].name));
             return plan_paper_tables(scenes.front(), options.size.value_or(Size{800, 600}));
         case Preset::scale:
-            return plan_scale(
-                scenes, options.size.value_or(Size{800, 600}),
-                options.methods.empty() ? methods_named({"radial", "exact", "march:32"})
-                                        : options.methods,
-                options.mus.empty() ? std::vector<double>{1, 0.95} : options.mus);
+            return plan_scale(scenes, options.size.value_or(Size{800, 600}),
+                              options.methods.empty()
+                                  ? methods_named({"radial", "exact", "march:32"})
+                                  : options.methods,
+                              options.mus.empty() ? std::vector<double>{1, 0.95} : options.mus);
         default:
             return plan_list(scenes, options, methods,
                              options.mus.empty() ? std::vector<double>{1} : options.mus);
