@@ -90,8 +90,7 @@ Result<Fog> fog_of_fog(const ConvertOptions& options) {
 void warn_about(const ConvertOptions& options, const Fog& fog) {
     const Decomposition<float>& d = fog.decomposition;
     if (options.levels && *options.levels > d.levels())
-        warn(fmt::format("--levels {}: a {}x{} map gains nothing from more than {}; using {}",
-                         *options.levels, d.width, d.height, d.levels(), d.levels()));
+        warn("--" + level_cap_message(*options.levels, d.levels(), d.width, d.height, d.boundary));
     if (!d.family.stable()) warn(d.family.warning());
 }
 

@@ -139,14 +139,16 @@ std::optional<double> certified_bound(const std::vector<Fog>& fogs, const Method
                                       const RayReach& reach) {
     const bool paper = method.kind == MethodKind::paper || method.kind == MethodKind::paper_scaling;
     if (method.kind != MethodKind::exact && !paper) return std::nullopt;
-    double tau = 0;
+    double tau = 0, densest = 0;
     for (const Fog& fog : fogs) {
+        densest += fog.extinction * double(reconstruct(fog.decomposition).maxCoeff());
         // Their tables are exact for degree 0 and 1 with mean densities alone.
         if (paper && (fog.degree() > 1 || method.layout != PathLayout::mean)) return std::nullopt;
         if (method.mu < 1)
             tau += DetailBound(fog).optical_depth(method.mu, reach.length, reach.rise);
     }
-    return std::min(-std::expm1(-tau) + kRounding, 1.0);
+    const double rounding = 0x1p-21 + 4 * 0x1p-24 * densest * reach.length;
+    return std::min(-std::expm1(-tau) + rounding, 1.0);
 }
 
 Accuracy measure_accuracy(const Truth& truth, const Image& tau, const Image& scene,

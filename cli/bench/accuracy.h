@@ -31,11 +31,9 @@ struct RayReach {
 };
 RayReach ray_reach(const std::vector<Fog>& fogs, const Camera& camera, const Image& depth);
 
-/// What float32 may add to a certified bound: the accuracy that the tests hold the shaders to.
-inline constexpr double kRounding = 2e-6;
-
-/// Certified bound on |dT| for every ray of that reach, dropped details and rounding together;
-/// empty for methods that sample or interpolate.
+/// Bound on |dT| for every ray of that reach: certified for dropped details, and what float32 adds
+/// to first order: walks stop at T = 2^-21, and a place along a ray is off by four units in its
+/// last place, times the densest fog there is. Empty for methods that sample or interpolate.
 std::optional<double> certified_bound(const std::vector<Fog>& fogs, const Method& method,
                                       const RayReach& reach);
 

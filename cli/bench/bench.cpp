@@ -34,6 +34,13 @@ Result<void> check_usage(const BenchOptions& options) {
         return usage_error("bench: --from and --readme take stored results; leave the scenes out");
     if (!options.from.empty() && !options.readme.empty())
         return usage_error("bench: --readme finds its result files itself; leave --from out");
+    if (options.plan.preset == Preset::stability &&
+        (options.measure.seconds || options.measure.frames || options.plan.size ||
+         !options.plan.methods.empty() || !options.plan.mus.empty() ||
+         !options.plan.levels.empty() || !options.scenes.empty()))
+        return usage_error(
+            "bench: preset stability studies maps and sizes of its own; leave out scenes, "
+            "--methods, --mu, --levels, --size, --frames and --budget");
     const bool needs_scene = !stored && options.plan.preset != Preset::stability;
     if (needs_scene && options.scenes.empty())
         return usage_error("bench: name a scene file, e.g. data/scenes/bench64.json");

@@ -69,7 +69,7 @@ TEST_CASE("bench measures methods in turn and writes rows, provenance and charts
     CHECK(row(stored, "homogeneous")["ssim"] < 1);
     // The certified bound stands beside the error that was measured.
     CHECK(row(stored, "exact")["max_dT"] <= row(stored, "exact")["bound_dT"]);
-    CHECK(row(stored, "exact")["bound_dT"] == 2e-6);
+    CHECK(row(stored, "exact")["bound_dT"] < 2e-5);  // float32 alone
     CHECK(row(stored, "exact", 0.5)["max_dT"] <= row(stored, "exact", 0.5)["bound_dT"]);
     CHECK(row(stored, "march:16")["bound_dT"].is_null());
     const json& where = stored["provenance"];

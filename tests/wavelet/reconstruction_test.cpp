@@ -165,6 +165,8 @@ TEST_CASE("Levels are capped where nothing is gained, and the caller can say so"
     CHECK(level_cap_message(30, 3, 3, 5) ==
           "levels 30: a map of 3x5 gains nothing beyond 3; used 3");
     CHECK(level_cap_message(3, 3, 3, 5).empty());
+    CHECK(level_cap_message(3, 0, 31, 97, Boundary::repeat) ==
+          "levels 3: a repeated map of 31x97 can be halved while both sides are even; used 0");
 }
 
 TEST_CASE("What cannot be decomposed is a usage error with a remedy") {

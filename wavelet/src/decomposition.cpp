@@ -252,8 +252,12 @@ int max_levels(const Family& family, int width, int height, Boundary boundary) {
     return levels;
 }
 
-std::string level_cap_message(int requested, int used, int width, int height) {
+std::string level_cap_message(int requested, int used, int width, int height, Boundary boundary) {
     if (used >= requested) return {};
+    if (boundary == Boundary::repeat)
+        return "levels " + std::to_string(requested) + ": a repeated map of " +
+               std::to_string(width) + "x" + std::to_string(height) +
+               " can be halved while both sides are even; used " + std::to_string(used);
     return "levels " + std::to_string(requested) + ": a map of " + std::to_string(width) + "x" +
            std::to_string(height) + " gains nothing beyond " + std::to_string(used) + "; used " +
            std::to_string(used);

@@ -106,6 +106,7 @@ int max_levels(int width, int height, Boundary boundary);
 int max_levels(const Family& family, int width, int height, Boundary boundary);
 
 /// What to tell a user who asked for more levels than Decomposition::levels(); empty if not capped.
-std::string level_cap_message(int requested, int used, int width, int height);
+std::string level_cap_message(int requested, int used, int width, int height,
+                              Boundary boundary = Boundary::zero);
 
 }  // namespace wavefog
