@@ -7,6 +7,7 @@
 
 #include "mixing_coder.h"
 #include "parallel.h"
+#include "table_coder.h"
 
 namespace wavefog::wfog {
 
@@ -18,6 +19,7 @@ using std::size_t;
 
 enum class TileCoder : unsigned { constant = 0, mixing = 1, tables = 2 };
 constexpr unsigned kMarksLow = 4;
+constexpr size_t kSmallTile = 128 * 128;
 
 /// Rounding to nearest and denormal numbers as the standard has them, whatever the program that
 /// calls has set: the models of encoder and decoder compute with floats.
@@ -57,7 +59,7 @@ void for_each_row(const Place& place, const PlaneCoding& coding, std::vector<int
     }
 }
 
-std::vector<Bytes> encode_tile(Tile& tile, const PlaneCoding& plane, bool /*best*/) {
+std::vector<Bytes> encode_tile(Tile& tile, const PlaneCoding& plane, bool best) {
     const auto [least, most] = std::minmax_element(tile.values.begin(), tile.values.end());
     TileCoding coding;
     coding.levels = plane.levels;
@@ -67,7 +69,13 @@ std::vector<Bytes> encode_tile(Tile& tile, const PlaneCoding& plane, bool /*best
     const auto lows = std::count(tile.values.begin(), tile.values.end(), coding.low);
     coding.marks_low = size_t(lows) > tile.values.size() / 10;
 
-    const TileCoder coder = coding.low == coding.high ? TileCoder::constant : TileCoder::mixing;
+    const int64_t range = int64_t(coding.high) - coding.low;
+    // A small tile takes no time either way, and the tables of one weigh more.
+    const bool quick = !best && tile.values.size() >= kSmallTile && range <= kTableRange &&
+                       coding.bound <= kTableRange;
+    const TileCoder coder = range == 0 ? TileCoder::constant
+                            : quick    ? TileCoder::tables
+                                       : TileCoder::mixing;
     Writer head;
     head.byte(static_cast<unsigned>(coder) | (coding.marks_low ? kMarksLow : 0u));
     head.signed_length(coding.low);
@@ -76,8 +84,9 @@ std::vector<Bytes> encode_tile(Tile& tile, const PlaneCoding& plane, bool /*best
         streams[0] = std::move(head.bytes);
         return streams;
     }
-    head.length(static_cast<std::uint64_t>(int64_t(coding.high) - coding.low));
-    std::vector<Bytes> streams = encode_mixing(tile, coding);
+    head.length(static_cast<std::uint64_t>(range));
+    std::vector<Bytes> streams =
+        coder == TileCoder::tables ? encode_tables(tile, coding) : encode_mixing(tile, coding);
     head.append(streams[0]);
     streams[0] = std::move(head.bytes);
     return streams;
@@ -107,6 +116,7 @@ bool decode_tile(std::vector<View> streams, const PlaneCoding& plane, Tile& tile
     if (head.failed() || range > static_cast<std::uint64_t>(largest - low)) return false;
     coding.high = static_cast<int32_t>(low + static_cast<int64_t>(range));
     streams[0] = head.take(head.left());
+    if (coder == TileCoder::tables) return decode_tables(tile, coding, streams);
     if (coder != TileCoder::mixing) return false;
     decode_mixing(tile, coding, streams);
     interpolate_levels(tile, plane.levels, static_cast<int>(streams.size()) - 1);
