@@ -1,9 +1,12 @@
 #include "format.h"
 
 #include <fmt/format.h>
+#include <zstd.h>
 
 #include <bit>
 #include <cmath>
+#include <cstdlib>
+#include <stdexcept>
 
 #include "../crc32.h"
 
@@ -42,6 +45,46 @@ bool default_rect(const Fog& fog) {
            Rect{0, 0, double(fog.decomposition.width), double(fog.decomposition.height)};
 }
 
+/// The floats' bits, as differences of neighbours, by zstd.
+void write_table(Writer& w, const std::vector<float>& values) {
+    Writer plain;
+    std::int64_t last = 0;
+    for (const float value : values) {
+        const std::int64_t bits = *Scale{Scale::Kind::float_bits}.integer(value);
+        plain.signed_length(bits - last);
+        last = bits;
+    }
+    Bytes packed(ZSTD_compressBound(plain.bytes.size()));
+    const std::size_t size = ZSTD_compress(packed.data(), packed.size(), plain.bytes.data(),
+                                           plain.bytes.size(), ZSTD_maxCLevel());
+    if (ZSTD_isError(size)) throw std::runtime_error(ZSTD_getErrorName(size));
+    w.length(values.size());
+    w.length(plain.bytes.size());
+    w.length(size);
+    w.append(View(packed).first(size));
+}
+
+bool read_table(Reader& r, std::vector<float>& values) {
+    const std::uint64_t count = r.length(), plain_size = r.length();
+    const View packed = r.take(r.length());
+    if (r.failed() || count < 1 || count > kMaxTable || plain_size > 10 * count) return false;
+    Bytes plain(static_cast<std::size_t>(plain_size));
+    if (ZSTD_decompress(plain.data(), plain.size(), packed.data(), packed.size()) != plain.size())
+        return false;
+    Reader differences(plain);
+    std::int64_t bits = 0;
+    for (std::uint64_t i = 0; i < count; ++i) {
+        const std::int64_t difference = differences.signed_length();
+        if (std::abs(difference) > (std::int64_t(1) << 33)) return false;
+        bits += difference;
+        if (bits != static_cast<std::int32_t>(bits)) return false;
+        const float value = Scale{Scale::Kind::float_bits}.density(static_cast<std::int32_t>(bits));
+        if (!std::isfinite(value)) return false;
+        values.push_back(value);
+    }
+    return !differences.failed() && differences.left() == 0;
+}
+
 Bytes write_head(const Head& head) {
     const Fog& fog = head.fog;
     const Decomposition<float>& d = fog.decomposition;
@@ -73,6 +116,8 @@ Bytes write_head(const Head& head) {
     w.byte(static_cast<unsigned>(head.scale.kind));
     if (head.scale.kind == Scale::Kind::ratio) w.length(head.scale.divisor);
     if (head.scale.kind == Scale::Kind::step) w.number(head.scale.step);
+    if (head.scale.kind == Scale::Kind::float_bits) w.byte(head.scale.shift);
+    if (head.scale.kind == Scale::Kind::table) write_table(w, head.scale.values);
     w.length(static_cast<std::uint64_t>(head.bound));
     w.byte(static_cast<unsigned>(head.tile_bits));
     w.byte(static_cast<unsigned>(head.stream_levels));
@@ -126,7 +171,7 @@ Result<Head> read_head(View payload) {
     Reader r(payload);
     if (auto ok = read_fog(r, head); !ok) return tl::unexpected(ok.error());
     const unsigned kind = r.byte();
-    if (kind > static_cast<unsigned>(Scale::Kind::float_bits)) return damaged("no such scale");
+    if (kind > static_cast<unsigned>(Scale::Kind::table)) return damaged("no such scale");
     head.scale.kind = static_cast<Scale::Kind>(kind);
     if (head.scale.kind == Scale::Kind::ratio) {
         const std::uint64_t divisor = r.length();
@@ -138,6 +183,12 @@ Result<Head> read_head(View payload) {
         if (!(head.scale.step > 0) || !std::isfinite(head.scale.step))
             return damaged("the step is impossible");
     }
+    if (head.scale.kind == Scale::Kind::float_bits) {
+        head.scale.shift = r.byte();
+        if (head.scale.shift > 31) return damaged("the shift is impossible");
+    }
+    if (head.scale.kind == Scale::Kind::table && !read_table(r, head.scale.values))
+        return damaged("the table of densities is impossible");
     const std::uint64_t bound = r.length();
     const unsigned tile_bits = r.byte(), stream_levels = r.byte();
     head.max_error = std::bit_cast<float>(static_cast<std::uint32_t>(r.fixed(4)));

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdlib>
+#include <numeric>
 
 namespace wavefog::wfog {
 
@@ -11,8 +13,9 @@ namespace {
 
 constexpr double kMostInteger = (1 << 30) - 1;
 
-std::int32_t ordered_bits(float density) {
-    const std::int32_t magnitude = std::bit_cast<std::int32_t>(std::fabs(density));
+/// Rises with the density.
+std::int32_t ordered_bits(float density, unsigned shift = 0) {
+    const std::int32_t magnitude = std::bit_cast<std::int32_t>(std::fabs(density)) >> shift;
     return std::signbit(density) ? ~magnitude : magnitude;  // -0 is not 0
 }
 
@@ -24,14 +27,28 @@ float Scale::density(std::int32_t k) const {
             return static_cast<float>(static_cast<double>(k) / divisor);
         case Kind::step:
             return static_cast<float>(static_cast<double>(k) * step);
-        case Kind::float_bits:
-            return k < 0 ? -std::bit_cast<float>(~k) : std::bit_cast<float>(k);
+        case Kind::float_bits: {
+            const float magnitude =
+                std::bit_cast<float>(static_cast<std::uint32_t>(k < 0 ? ~k : k) << shift);
+            return k < 0 ? -magnitude : magnitude;
+        }
+        case Kind::table:
+            return k >= 0 && static_cast<std::size_t>(k) < values.size()
+                       ? values[static_cast<std::size_t>(k)]
+                       : 0.0f;
     }
     return 0;
 }
 
 std::optional<std::int32_t> Scale::integer(float value) const {
-    if (kind == Kind::float_bits) return ordered_bits(value);
+    if (kind == Kind::float_bits) return ordered_bits(value, shift);
+    if (kind == Kind::table) {
+        const auto at = std::lower_bound(values.begin(), values.end(), value, [](float a, float b) {
+            return ordered_bits(a) < ordered_bits(b);
+        });
+        if (at == values.end() || ordered_bits(*at) != ordered_bits(value)) return {};
+        return static_cast<std::int32_t>(at - values.begin());
+    }
     const double k = kind == Kind::ratio ? double(value) * divisor : double(value) / step;
     if (!(std::fabs(k) <= kMostInteger)) return {};
     return static_cast<std::int32_t>(std::lround(k));
@@ -53,9 +70,39 @@ std::optional<Scale> ratio_of(const Grid<float>& map, double slack) {
             return std::bit_cast<std::uint32_t>(back) == std::bit_cast<std::uint32_t>(value) ||
                    std::fabs(double(back) - double(value)) <= tolerance;
         });
-        if (fits) return scale;
+        if (!fits) continue;
+        // Steps of 4/100 are steps of 1/25.
+        std::uint32_t common = divisor;
+        for (Eigen::Index i = 0; common > 1 && i < map.size(); ++i)
+            common =
+                std::gcd(common, static_cast<std::uint32_t>(std::abs(*scale.integer(begin[i]))));
+        if (common > 1 && largest > 0 && divisor != 255 && divisor != 65535)
+            return Scale{Scale::Kind::ratio, divisor / common, 1};
+        return scale;
     }
     return {};
+}
+
+Scale exact_scale(const Grid<float>& map) {
+    std::vector<std::int32_t> bits(static_cast<std::size_t>(map.size()));
+    std::transform(map.data(), map.data() + map.size(), bits.begin(),
+                   [](float value) { return ordered_bits(value); });
+    std::uint32_t used = 0;
+    for (const std::int32_t each : bits)
+        used |= static_cast<std::uint32_t>(each < 0 ? ~each : each);
+    std::sort(bits.begin(), bits.end());
+    const std::size_t pixels = bits.size();
+    bits.erase(std::unique(bits.begin(), bits.end()), bits.end());
+    Scale scale{Scale::Kind::float_bits, 1, 1};
+    if (bits.size() <= kMaxTable && bits.size() * 8 <= pixels) {
+        scale.kind = Scale::Kind::table;
+        for (const std::int32_t each : bits)
+            scale.values.push_back(each < 0 ? -std::bit_cast<float>(~each)
+                                            : std::bit_cast<float>(each));
+    } else if (used != 0) {
+        scale.shift = static_cast<unsigned>(std::countr_zero(used));
+    }
+    return scale;
 }
 
 double full_scale(const Grid<float>& map, const std::optional<Scale>& ratio) {

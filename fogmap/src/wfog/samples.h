@@ -1,6 +1,7 @@
 // Densities as integers, without loss where they allow it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -14,20 +15,30 @@ struct Scale {
     enum class Kind : std::uint8_t {
         ratio,       ///< float(double(k) / divisor)
         step,        ///< float(double(k) * step)
-        float_bits,  ///< the float whose bits are k, or minus the float of bits -k-1 below 0
+        float_bits,  ///< the float whose bits are k << shift, or minus that of -k-1 below 0
+        table,       ///< values[k]
     };
     Kind kind = Kind::ratio;
     std::uint32_t divisor = 255;
     double step = 1;
+    unsigned shift = 0;
+    std::vector<float> values = {};  ///< rising, at most kMaxTable
 
     float density(std::int32_t k) const;
-    /// The nearest integer; nothing if the density is too large for 30 bits.
+    /// The nearest integer; nothing if the density is too large for 30 bits, or not in the table.
     std::optional<std::int32_t> integer(float density) const;
     bool operator==(const Scale&) const = default;
 };
 
+inline constexpr std::size_t kMaxTable = 1 << 16;
+
+/// A scale for any floats, bit for bit: a table if they are few, else their bits without those that
+/// are 0 in all.
+Scale exact_scale(const Grid<float>& map);
+
 /// The scale of which every density is a value up to `slack` times the largest one: a ratio of 255,
-/// 65535, a power of ten or of two. A map that a transform has been through has lost its last bits.
+/// 65535, a power of ten or of two, or a divisor of one. A map that a transform has been through
+/// has lost its last bits.
 std::optional<Scale> ratio_of(const Grid<float>& map, double slack);
 
 /// What "full scale" means for a promise: 1 for maps in steps of 1/255, the range for those in

@@ -156,7 +156,6 @@ class PixelEncoder {
   private:
     void choose_scale(double error) {
         head_.bound = 0;
-        head_.scale = {Scale::Kind::float_bits, 1, 1};
         if (source_.ratio) {
             head_.scale = *source_.ratio;
             // The last bits of a double must not cost a whole step.
@@ -168,7 +167,10 @@ class PixelEncoder {
         // Float rounding of the decoded density comes on top.
         const double usable = error - most * 1.2e-7;
         const double step = usable / (double(kStepsOfBound) + 0.5);
-        if (usable <= 0 || most / step > double(1 << 29)) return;
+        if (usable <= 0 || most / step > double(1 << 29)) {
+            head_.scale = exact_scale(source_.map);
+            return;
+        }
         head_.scale = {Scale::Kind::step, 1, step};
         head_.bound = kStepsOfBound;
     }
@@ -190,7 +192,7 @@ class PixelEncoder {
 Result<EncodedFog> encode_coefficients(const Fog& fog, const WfogOptions& options) {
     Head head = head_of(fog);
     head.content = Content::coefficients;
-    head.scale = {Scale::Kind::float_bits, 1, 1};
+    head.scale.kind = Scale::Kind::float_bits;
     std::vector<Bytes> chunks;
     Decomposition<float> d = fog.decomposition;
     for (const auto& level : bands_of(d)) {
@@ -279,7 +281,7 @@ Result<void> verify(const Fog& fog, const Source& source, double allowed,
     const bool kept = allowed > 0
                           ? errors.most <= allowed + rounding
                           : same_coefficients(decoded->fog.decomposition, fog.decomposition);
-    if (!kept || errors.negative)
+    if (!kept || (allowed > 0 && errors.negative))
         return data_error(
             "the encoded bytes do not keep the promise; this is a bug, please report it");
     return {};
@@ -397,6 +399,7 @@ Result<void> decode_coefficients(const Chunks& chunks, const WfogLimits& limits,
         if (r.left() != 0) return damaged_stream();
     }
     out.map = reconstruct(d);
+    if (!out.map.allFinite()) return damaged_stream();
     return {};
 }
 
