@@ -1,7 +1,6 @@
 // wavefog convert: a greyscale picture becomes a fog file.
 #include <fmt/format.h>
 
-#include <fstream>
 #include <limits>
 #include <map>
 #include <memory>
@@ -130,10 +129,6 @@ Result<void> check_flags(const ConvertOptions& options, bool compact) {
     return {};
 }
 
-fs::path description_of(const fs::path& fog_file) {
-    return fs::path(fog_file).replace_extension("json");
-}
-
 /// The description beside OUT.exr must not replace a JSON file of another kind, such as a scene.
 Result<void> check_description(const fs::path& output) {
     const fs::path description = description_of(output);
@@ -144,20 +139,6 @@ Result<void> check_description(const fs::path& output) {
                     "choose another "
                     "name for the output",
                     description.string(), output.string()));
-}
-
-/// The description and the images that it names.
-std::vector<fs::path> written_files(const fs::path& output) {
-    const fs::path description = description_of(output);
-    std::ifstream stream(description);
-    const Facts facts = Facts::parse(stream);
-    std::vector<fs::path> files;
-    for (const auto& texture : facts.at("textures")) {
-        const fs::path image = output.parent_path() / texture.at("image").get<std::string>();
-        if (files.empty() || files.back() != image) files.push_back(image);  // parts share a file
-    }
-    files.push_back(description);
-    return files;
 }
 
 /// The fog of the input, changed as the flags say. `map`: its pixels, where they are at hand.
@@ -189,7 +170,7 @@ Result<void> write_exr(const ConvertOptions& options, const Fog& fog, Facts& fac
     facts["precision"] = options.half ? "half" : "float";
     std::uintmax_t bytes = 0;
     Facts names = Facts::array();
-    for (const fs::path& file : written_files(options.output)) {
+    for (const fs::path& file : fog_files(options.output)) {
         bytes += file_bytes(file);
         names.push_back(file.string());
     }

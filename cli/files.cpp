@@ -7,6 +7,7 @@
 #include <cctype>
 #include <cerrno>
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 namespace wavefog::cli {
@@ -96,6 +97,25 @@ Result<void> TextOutput::commit() {
                                       code ? code.message() : std::strerror(errno)));
     temporary_.clear();
     return {};
+}
+
+fs::path description_of(const fs::path& fog_file) {
+    return fs::path(fog_file).replace_extension("json");
+}
+
+std::vector<fs::path> fog_files(const fs::path& fog_file) {
+    if (extension_of(fog_file) == ".wfog") return {fog_file};
+    const fs::path description = description_of(fog_file);
+    std::ifstream stream(description);
+    const auto facts = nlohmann::json::parse(stream, nullptr, false);
+    if (!facts.contains("textures")) return {fog_file};  // an engine may have only the image
+    std::vector<fs::path> files;
+    for (const auto& texture : facts.at("textures")) {
+        const fs::path image = fog_file.parent_path() / texture.at("image").get<std::string>();
+        if (files.empty() || files.back() != image) files.push_back(image);  // parts share a file
+    }
+    files.push_back(description);
+    return files;
 }
 
 std::uintmax_t file_bytes(const fs::path& file) {

@@ -43,6 +43,12 @@ class TextOutput {
     std::ofstream stream_;
 };
 
+/// NAME.json, the description beside the fog file NAME.exr.
+std::filesystem::path description_of(const std::filesystem::path& fog_file);
+
+/// All files of a saved fog: the images that its description names, and the description.
+std::vector<std::filesystem::path> fog_files(const std::filesystem::path& fog_file);
+
 /// Bytes on disk, 0 if the file is not there.
 std::uintmax_t file_bytes(const std::filesystem::path& file);
 

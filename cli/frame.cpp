@@ -12,6 +12,7 @@
 #include "wavefog/gpu/context.h"
 #include "wavefog/gpu/fog_pass.h"
 #include "wavefog/gpu/frame.h"
+#include "wavefog/gpu/pixel_rays.h"
 
 namespace wavefog::cli {
 namespace {
@@ -79,21 +80,6 @@ Result<void> draw_on_gpu(const Gl& gl, const Scene& scene, const FrameTarget& ta
     return {};
 }
 
-/// Optical depth of all fogs along one pixel's ray; a sky pixel's ray runs to each fog's far end.
-double optical_depth(const std::vector<Reference>& fogs, const PixelRay& ray, double sky_limit,
-                     double mu) {
-    double sum = 0;
-    for (const Reference& fog : fogs) {
-        Eigen::Vector3d end = ray.end;
-        if (ray.sky) {
-            const Eigen::Vector3d direction = ray.end - ray.origin;
-            end = ray.origin + fog.far_end(ray.origin, direction, sky_limit) * direction;
-        }
-        sum += fog.optical_depth(ray.origin, end, mu);
-    }
-    return sum;
-}
-
 /// The same by the reference integrator, from the scene's colour and depth.
 void draw_on_cpu(const Gl& gl, const Scene& scene, const FrameTarget& target, Frame& frame) {
     const int width = target.width, height = target.height;
@@ -101,15 +87,12 @@ void draw_on_cpu(const Gl& gl, const Scene& scene, const FrameTarget& target, Fr
     frame.colour = rgb_of(read_texture(gl, target.colour.name(), width, height, 4));
     frame.transmittance = {width, height, 1, std::vector<float>(depth.pixels.size())};
     const std::vector<Reference> fogs(scene.fogs.begin(), scene.fogs.end());
-    const CameraMatrices matrices = camera_matrices(scene.camera, width, height);
-    // As far as the fog pass follows a ray that nothing ends: the far plane, or 1000 km.
-    const double sky_limit = std::isfinite(scene.camera.far_plane) ? scene.camera.far_plane : 1e6;
+    const PixelRays rays(scene.camera, width, height);
     const auto draw_rows = [&](std::size_t begin, std::size_t end) {
         for (int y = int(begin); y < int(end); ++y)
             for (int x = 0; x < width; ++x) {
-                const PixelRay ray = pixel_ray(matrices, scene.camera, width, height, x, y,
-                                               double(depth.at(x, y, 0)));
-                const double tau = optical_depth(fogs, ray, sky_limit, scene.method.mu);
+                const PixelRay ray = rays.at(x, y, double(depth.at(x, y, 0)));
+                const double tau = rays.optical_depth(fogs, ray, scene.method.mu);
                 const double opacity = -std::expm1(-tau);
                 frame.transmittance.at(x, y, 0) = float(std::exp(-tau));
                 for (int c = 0; c < 3; ++c) {

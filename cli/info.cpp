@@ -80,7 +80,9 @@ Result<Facts> describe_fog(const fs::path& file) {
     const Result<Fog> fog = load_fog(file, &notes);
     if (!fog) return tl::unexpected(fog.error());
     if (!notes.warning.empty()) warn(notes.warning);
-    Facts facts = {{"file", file.string()}, {"kind", "fog"}, {"bytes", file_bytes(file)}};
+    std::uintmax_t bytes = 0;
+    for (const fs::path& part : fog_files(file)) bytes += file_bytes(part);
+    Facts facts = {{"file", file.string()}, {"kind", "fog"}, {"bytes", bytes}};
     facts.update(fog_facts(*fog));
     const Facts rows = level_rows(fog->decomposition);
     std::int64_t count = 0;

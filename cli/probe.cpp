@@ -114,7 +114,7 @@ Command add_probe(CLI::App& root) {
         ->required()
         ->type_name("OUT.csv");
     add_parsed(*app, "--method", options->method, parse_method, "M",
-               "reference | exact | march:N | homogeneous (reference)");
+               "reference | exact | paper | paper-scaling | march:N | homogeneous (reference)");
     add_parsed(
         *app, "--mu", options->mu,
         [](const std::string& text) { return parse_number_in(text, 0, 1); }, "MU",

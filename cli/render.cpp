@@ -1,4 +1,6 @@
 // wavefog render: a scene with its fog becomes a picture.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <chrono>
 #include <iterator>
@@ -12,6 +14,7 @@
 #include "interrupt.h"
 #include "options.h"
 #include "report.h"
+#include "wavefog/fogmap/fog_file.h"
 
 namespace wavefog::cli {
 namespace {
@@ -31,6 +34,10 @@ struct RenderOptions {
 
 Result<void> check_files(const RenderOptions& options) {
     if (auto ok = check_input(options.input); !ok) return ok;
+    if (is_fog_file(options.input))
+        return usage_error(
+            fmt::format("{}: this is a fog, not a scene; give a scene file and the fog as --fog {}",
+                        options.input.string(), options.input.string()));
     std::vector<fs::path> inputs = options.fogs;
     inputs.push_back(options.input);
     if (auto ok = check_output(options.output, inputs, {".png", ".exr"}); !ok) return ok;
@@ -109,7 +116,8 @@ Command add_render(CLI::App& root) {
         ->allow_extra_args(false);
     add_parsed(*app, "--size", options->size, parse_size, "WxH", "Pixels (the scene's size)");
     add_parsed(*app, "--method", options->method, parse_method, "M",
-               "reference | exact | march:N | homogeneous (the scene's method)");
+               "exact | paper | paper-scaling | march:N | froxel:XxYxZ | homogeneous | reference "
+               "(the scene's)");
     add_parsed(
         *app, "--mu", options->mu,
         [](const std::string& text) { return parse_number_in(text, 0, 1); }, "MU",
@@ -132,8 +140,9 @@ Command add_render(CLI::App& root) {
         "every pixel, finds the optical depth of the fog in front of it, and blends\n"
         "L = T L_scene + (1 - T) L_fog with T = exp(-optical depth).\n"
         "Methods: `exact` integrates each cell of the map in closed form (float rounding);\n"
-        "`march:N` takes N samples a ray, as most renderers do; `homogeneous` is one constant "
-        "fog;\n"
+        "`paper` and `paper-scaling` follow the published algorithm, `march:N` takes N samples a "
+        "ray,\n"
+        "`froxel:XxYxZ` fills a volume as engines do; `homogeneous` is one constant fog;\n"
         "`reference` integrates in double on the CPU and takes seconds to minutes.\n"
         "\n"
         "Example: half the detail, the transmittance beside the picture\n"

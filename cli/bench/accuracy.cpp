@@ -6,17 +6,12 @@
 
 #include "parallel.h"
 #include "wavefog/fogmap/reference.h"
-#include "wavefog/gpu/fog_pass.h"
+#include "wavefog/gpu/pixel_rays.h"
 
 namespace wavefog::cli {
 namespace {
 
 constexpr double kLeastSquareError = 1e-20;  // 200 dB
-
-/// As far as the fog pass follows a sky ray that nothing else ends.
-double sky_limit(const Camera& camera) {
-    return std::isfinite(camera.far_plane) ? camera.far_plane : 1e6;
-}
 
 double luma(const std::array<double, 3>& rgb) {
     return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
@@ -89,23 +84,12 @@ double ssim(int width, int height, const std::vector<double>& a, const std::vect
 Truth compute_truth(const std::vector<Fog>& fogs, const Camera& camera, const Image& depth) {
     Truth truth{depth.width, depth.height, std::vector<double>(depth.pixels.size(), 0.0)};
     const std::vector<Reference> references(fogs.begin(), fogs.end());
-    const CameraMatrices matrices = camera_matrices(camera, truth.width, truth.height);
-    const double limit = sky_limit(camera);
+    const PixelRays rays(camera, truth.width, truth.height);
     const auto integrate_rows = [&](std::size_t begin, std::size_t end) {
         for (int y = int(begin); y < int(end); ++y)
             for (int x = 0; x < truth.width; ++x) {
-                const PixelRay ray = pixel_ray(matrices, camera, truth.width, truth.height, x, y,
-                                               double(depth.at(x, y, 0)));
-                double& sum = truth.tau[std::size_t(y * truth.width + x)];
-                for (const Reference& reference : references) {
-                    Eigen::Vector3d end_point = ray.end;
-                    if (ray.sky) {
-                        const Eigen::Vector3d along = ray.end - ray.origin;
-                        end_point =
-                            ray.origin + reference.far_end(ray.origin, along, limit) * along;
-                    }
-                    sum += reference.optical_depth(ray.origin, end_point);
-                }
+                truth.tau[std::size_t(y * truth.width + x)] =
+                    rays.optical_depth(references, rays.at(x, y, double(depth.at(x, y, 0))));
             }
     };
     parallel_chunks("integrating the truth", std::size_t(truth.height), 4, integrate_rows);

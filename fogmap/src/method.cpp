@@ -44,7 +44,7 @@ bool parse_table(const std::vector<std::string_view>& parts, Method& method) {
         method.table = *table;
     }
     if (parts.size() > 2 && parts[2] != "perimeter") return false;
-    if (parts.size() == 3) method.layout = TableLayout::perimeter;
+    if (parts.size() == 3) method.layout = PathLayout::perimeter;
     return parts.size() <= 3;
 }
 
@@ -65,7 +65,7 @@ bool parse_froxels(const std::vector<std::string_view>& parts, Method& method) {
 std::string Method::name() const {
     const auto with_table = [&](std::string base) {
         if (table > 0) base += fmt::format(":{}", table);
-        if (table > 0 && layout == TableLayout::perimeter) base += ":perimeter";
+        if (table > 0 && layout == PathLayout::perimeter) base += ":perimeter";
         return base;
     };
     switch (kind) {

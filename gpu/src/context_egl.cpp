@@ -40,20 +40,19 @@ bool has_extension(const char* list, std::string_view name) {
     return false;
 }
 
-class EglOffscreenContext final : public Context {
+class EglOffscreenContext final : public LibraryContext {
   public:
     EglOffscreenContext(const Egl& api, EGLDisplay display, EGLContext handle)
-        : api_(api), display_(display), handle_(handle) {}
+        : LibraryContext([get = api.get_proc_address](const char* name) {
+              return reinterpret_cast<void*>(get(name));
+          }),
+          api_(api),
+          display_(display),
+          handle_(handle) {}
     ~EglOffscreenContext() override {
         api_.make_current(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
         // The display stays initialised: EGL shares it among all users in the process.
         api_.destroy_context(display_, handle_);
-    }
-
-    GetProcAddress loader() const override {
-        return [get = api_.get_proc_address](const char* name) {
-            return reinterpret_cast<void*>(get(name));
-        };
     }
     std::string name() const override { return "egl"; }
 
@@ -61,13 +60,6 @@ class EglOffscreenContext final : public Context {
         if (!api_.bind_api(EGL_OPENGL_API) ||
             !api_.make_current(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, handle_))
             return data_error("egl: eglMakeCurrent failed; the driver lacks surfaceless contexts");
-        return {};
-    }
-
-    Result<void> load() {
-        auto gl = load_gl(loader());
-        if (!gl) return tl::unexpected(gl.error());
-        gl_ = *gl;
         return {};
     }
 
@@ -173,7 +165,7 @@ Result<std::unique_ptr<Context>> create_egl_context() {
         EGLContext handle = try_display(*api, display);
         if (handle == EGL_NO_CONTEXT) continue;
         auto context = std::make_unique<EglOffscreenContext>(*api, display, handle);
-        if (context->make_current() && context->load()) return context;
+        if (context->make_current() && context->load_functions()) return context;
     }
     return data_error(
         "egl: no driver gives an off-screen OpenGL 4.5 core context; install the GPU's driver "

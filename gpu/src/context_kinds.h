@@ -4,6 +4,7 @@
 #include <dlfcn.h>
 
 #include <string>
+#include <utility>
 
 #include "wavefog/gpu/context.h"
 
@@ -31,6 +32,23 @@ class DynamicLibrary {
   private:
     void* handle_ = nullptr;
     std::string error_;
+};
+
+/// What both kinds share: functions come from one look-up of the library's own.
+class LibraryContext : public Context {
+  public:
+    explicit LibraryContext(GetProcAddress loader) : loader_(std::move(loader)) {}
+    GetProcAddress loader() const override { return loader_; }
+    /// Fills gl(). The context must be current.
+    Result<void> load_functions() {
+        auto gl = load_gl(loader_);
+        if (!gl) return tl::unexpected(gl.error());
+        gl_ = *gl;
+        return {};
+    }
+
+  private:
+    GetProcAddress loader_;
 };
 
 }  // namespace wavefog

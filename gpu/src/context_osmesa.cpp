@@ -32,29 +32,21 @@ enum : int {
     osmesa_context_minor_version = 0x37,
 };
 
-class OsmesaContext final : public Context {
+class OsmesaContext final : public LibraryContext {
   public:
-    OsmesaContext(const Osmesa& api, Handle handle) : api_(api), handle_(handle) {}
+    OsmesaContext(const Osmesa& api, Handle handle)
+        : LibraryContext([get = api.get_proc_address](const char* name) {
+              return reinterpret_cast<void*>(get(name));
+          }),
+          api_(api),
+          handle_(handle) {}
     ~OsmesaContext() override { api_.destroy(handle_); }
-
-    GetProcAddress loader() const override {
-        return [get = api_.get_proc_address](const char* name) {
-            return reinterpret_cast<void*>(get(name));
-        };
-    }
     std::string name() const override { return "osmesa"; }
 
     Result<void> make_current() override {
         // Pictures are drawn into framebuffer objects; this default buffer is only a formality.
         if (!api_.make_current(handle_, buffer_.data(), GL_UNSIGNED_BYTE, size, size))
             return data_error("osmesa: OSMesaMakeCurrent failed");
-        return {};
-    }
-
-    Result<void> load() {
-        auto gl = load_gl(loader());
-        if (!gl) return tl::unexpected(gl.error());
-        gl_ = *gl;
         return {};
     }
 
@@ -96,7 +88,7 @@ Result<std::unique_ptr<Context>> create_osmesa_context() {
     if (!handle) return data_error("osmesa: no OpenGL 4.5 core context; Mesa 17 or newer has one");
     auto context = std::make_unique<OsmesaContext>(api, handle);
     if (auto current = context->make_current(); !current) return tl::unexpected(current.error());
-    if (auto loaded = context->load(); !loaded) return tl::unexpected(loaded.error());
+    if (auto loaded = context->load_functions(); !loaded) return tl::unexpected(loaded.error());
     return context;
 }
 

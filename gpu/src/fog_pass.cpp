@@ -8,6 +8,7 @@
 #include "fog_textures.h"
 #include "froxel_volume.h"
 #include "paper_data.h"
+#include "wavefog/gpu/pixel_rays.h"
 
 namespace wavefog {
 namespace {

@@ -2,9 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+
+#include "wavefog/gpu/pixel_rays.h"
 
 namespace wavefog {
 namespace {
@@ -65,10 +66,6 @@ int profile_number(const Profile& profile) {
     return 0;
 }
 
-double sky_limit(const Camera& camera) {
-    return std::isfinite(camera.far_plane) ? camera.far_plane : 1e6;
-}
-
 shader::FogBlock fog_block(const FogFacts& fog, const Eigen::Vector3d& eye, double mu,
                            double seconds, double limit) {
     shader::FogBlock block{};
@@ -115,10 +112,7 @@ shader::FogBlock fog_block(const FogFacts& fog, const Eigen::Vector3d& eye, doub
 
 shader::ViewBlock view_block(const CameraMatrices& matrices, const Camera& camera, int width,
                              int height, const Eigen::Vector3d& fog_colour, int samples) {
-    // Camera-relative: the view's rotation alone, so that no world coordinate reaches the shader.
-    Eigen::Matrix4d rotation = matrices.view;
-    rotation.topRightCorner<3, 1>().setZero();
-    const Eigen::Matrix4d from_clip = (matrices.projection * rotation).inverse();
+    const Eigen::Matrix4d from_clip = eye_from_clip(matrices);
     const Eigen::Vector4d at0 = from_clip.col(3), at1 = from_clip.col(3) + from_clip.col(2);
     shader::ViewBlock block{};
     block.pixel = {static_cast<float>(2.0 / width), static_cast<float>(2.0 / height),
@@ -131,32 +125,6 @@ shader::ViewBlock view_block(const CameraMatrices& matrices, const Camera& camer
                         static_cast<float>(fog_colour.z()), 1};
     block.samples = {samples, 0, 0, 0};
     return block;
-}
-
-PixelRay pixel_ray(const CameraMatrices& matrices, const Camera& camera, int width, int height,
-                   int x, int y_from_top, double depth) {
-    Eigen::Matrix4d rotation = matrices.view;
-    rotation.topRightCorner<3, 1>().setZero();
-    const Eigen::Matrix4d from_clip = (matrices.projection * rotation).inverse();
-    const Eigen::Vector2d ndc(2 * (x + 0.5) / width - 1, 1 - 2 * (y_from_top + 0.5) / height);
-    const auto at = [&](double d) -> Eigen::Vector4d {
-        return from_clip * Eigen::Vector4d(ndc.x(), ndc.y(), d, 1);
-    };
-    PixelRay ray;
-    ray.sky = depth == matrices.sky_depth;
-    const Eigen::Vector4d surface = at(depth);
-    Eigen::Vector3d start = Eigen::Vector3d::Zero(), path;
-    if (camera.projection == Camera::Projection::orthographic) {
-        start = at(1 - matrices.sky_depth).head<3>();
-        path = at(ray.sky ? matrices.sky_depth : depth).head<3>() - start;
-    } else {
-        path = ray.sky ? Eigen::Vector3d(surface.head<3>())
-                       : Eigen::Vector3d(surface.head<3>() / surface.w());
-    }
-    if (ray.sky) path.normalize();
-    ray.origin = camera.eye + start;
-    ray.end = ray.origin + path;
-    return ray;
 }
 
 }  // namespace wavefog

@@ -46,7 +46,4 @@ shader::FogBlock fog_block(const FogFacts& fog, const Eigen::Vector3d& eye, doub
 shader::ViewBlock view_block(const CameraMatrices& matrices, const Camera& camera, int width,
                              int height, const Eigen::Vector3d& fog_colour, int samples);
 
-/// Sky rays end here when nothing else ends them, metres: the far plane, or 1000 km without one.
-double sky_limit(const Camera& camera);
-
 }  // namespace wavefog

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "wavefog/gpu/pixel_rays.h"
+
 namespace wavefog {
 
 namespace shader {

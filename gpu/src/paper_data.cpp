@@ -33,9 +33,7 @@ Result<PaperData> make_paper_data(const Decomposition<float>& decomposition, con
             "method paper: walks through wavelet bands, this fog is in scaling form; use "
             "paper-scaling, or convert with --form wavelet");
     const int samples = method.table > 0 ? method.table : default_samples(decomposition.degree());
-    const auto layout =
-        method.layout == TableLayout::mean ? PathLayout::mean : PathLayout::perimeter;
-    auto table = make_path_table(decomposition.family, samples, layout, wavelets);
+    auto table = make_path_table(decomposition.family, samples, method.layout, wavelets);
     if (!table) return tl::unexpected(table.error());
 
     PaperData data;
@@ -56,8 +54,9 @@ Result<PaperData> make_paper_data(const Decomposition<float>& decomposition, con
     const int first = std::min(0, data.table.psi_first);
     const int last = std::max(phi, data.table.psi_first + psi);
     block.pieces = {phi, psi, data.table.psi_first, 0};
-    const int patches = layout == PathLayout::mean ? samples - 1 : 4 * samples;
-    block.table = {patches, layout == PathLayout::perimeter ? 1 : 0, first, (last - first + 1) / 2};
+    const int patches = method.layout == PathLayout::mean ? samples - 1 : 4 * samples;
+    block.table = {patches, method.layout == PathLayout::perimeter ? 1 : 0, first,
+                   (last - first + 1) / 2};
     return data;
 }
 

@@ -211,6 +211,7 @@ TEST_CASE("bad inputs of render") {
         {{"render", "no_image.json", "-o", "x.png"},
          1,
          {"no_image.json: fog[0].image", "gone.png"}},
+        {{"render", "fog.exr", "-o", "x.png"}, 2, {"this is a fog, not a scene", "--fog fog.exr"}},
         {{"render", "scene.json", "-o", "x.jpg"}, 2, {"cannot write '.jpg'", ".png, .exr"}},
         {{"render", "scene.json", "-o", "gone/x.png"}, 1, {"the directory gone does not exist"}},
         {{"render", "scene.json", "-o", "directory.png"}, 1, {"this is a directory"}},

@@ -36,7 +36,8 @@ TEST_CASE("info describes a fog, level by level") {
     CHECK(facts["cell"] == json({2.0, 2.0}));
     CHECK(facts["extinction"] == 0.25);
     CHECK(facts["profile"] == "slab:1,5");
-    CHECK(facts["bytes"] == std::filesystem::file_size(work.path("fog.exr")));
+    using std::filesystem::file_size;
+    CHECK(facts["bytes"] == file_size(work.path("fog.exr")) + file_size(work.path("fog.json")));
 
     const json& levels = facts["energy_per_level"];
     REQUIRE(levels.size() == 3);
@@ -48,6 +49,12 @@ TEST_CASE("info describes a fog, level by level") {
     const Picture map = read_picture(work.path("map.png"));
     CHECK(levels[2]["map_max"].get<double>() ==
           doctest::Approx(*std::max_element(map.pixels.begin(), map.pixels.end())));
+
+    // A file a level: the bytes of all of them.
+    REQUIRE(work.run({"convert", "fog.exr", "-o", "l.exr", "--layout", "levels"}).status == 0);
+    CHECK(info(work, "l.exr")["bytes"] == file_size(work.path("l.l1.exr")) +
+                                              file_size(work.path("l.l2.exr")) +
+                                              file_size(work.path("l.json")));
 
     const RunResult text = work.run({"info", "fog.exr"});
     CHECK(text.status == 0);

@@ -12,6 +12,7 @@
 #include "gpu/gl_support.h"
 #include "wavefog/fogmap/reference.h"
 #include "wavefog/gpu/fog_pass.h"
+#include "wavefog/gpu/pixel_rays.h"
 
 namespace wavefog::test {
 
@@ -68,12 +69,12 @@ inline std::vector<CameraCase> camera_cases() {
 
 // Depth of a wavy ground, marched in double and rounded to float as a depth buffer would.
 inline std::vector<float> ground_depth(const Camera& camera, const CameraMatrices& matrices) {
+    const PixelRays rays(camera, kWidth, kHeight);
     std::vector<float> depth(kWidth * kHeight);
     const Eigen::Matrix4d clip = matrices.projection * matrices.view;
     for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) {
-            const PixelRay ray =
-                pixel_ray(matrices, camera, kWidth, kHeight, x, y, matrices.sky_depth);
+            const PixelRay ray = rays.at(x, y, matrices.sky_depth);
             const Eigen::Vector3d along = (ray.end - ray.origin).normalized();
             double found = matrices.sky_depth;
             for (double s = 1; s < 150; s += 0.25) {
@@ -117,25 +118,16 @@ inline FogPicture make_picture(const Gl& gl, const Camera& camera, std::vector<f
 /// The largest |dT| over the pixels; `sky` counts those without a surface.
 inline double largest_error(const FogPicture& picture, const Camera& camera, const Image& tau,
                             const std::vector<Reference>& references, double mu, int& sky) {
-    const auto matrices = camera_matrices(camera, kWidth, kHeight);
-    const double limit = std::isfinite(camera.far_plane) ? camera.far_plane : 1e6;
+    const PixelRays rays(camera, kWidth, kHeight);
     double largest = 0;
     sky = 0;
     for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) {
             const float depth =
                 picture.depth[static_cast<std::size_t>((kHeight - 1 - y) * kWidth + x)];
-            const PixelRay ray = pixel_ray(matrices, camera, kWidth, kHeight, x, y, depth);
+            const PixelRay ray = rays.at(x, y, depth);
             sky += ray.sky;
-            double truth = 0;
-            for (const auto& reference : references) {
-                Eigen::Vector3d end = ray.end;
-                if (ray.sky) {
-                    const Eigen::Vector3d along = ray.end - ray.origin;
-                    end = ray.origin + reference.far_end(ray.origin, along, limit) * along;
-                }
-                truth += reference.optical_depth(ray.origin, end, mu);
-            }
+            const double truth = rays.optical_depth(references, ray, mu);
             const double value = tau.at(x, y, 0);
             REQUIRE(std::isfinite(value));
             largest = std::max(largest, std::abs(std::exp(-value) - std::exp(-truth)));

@@ -48,12 +48,12 @@ Fog smooth_fog(const Profile& profile, int degree = 1, Boundary boundary = Bound
 std::vector<float> random_depth(const Camera& camera, Random& random) {
     const auto matrices = camera_matrices(camera, kWidth, kHeight);
     const Eigen::Matrix4d clip = matrices.projection * matrices.view;
+    const PixelRays rays(camera, kWidth, kHeight);
     std::vector<float> depth(kWidth * kHeight, static_cast<float>(matrices.sky_depth));
     for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x) {
             if ((x + 5 * y) % 16 == 0) continue;
-            const PixelRay ray =
-                pixel_ray(matrices, camera, kWidth, kHeight, x, y, matrices.sky_depth);
+            const PixelRay ray = rays.at(x, y, matrices.sky_depth);
             const double metres = std::exp(random.uniform(std::log(0.3), std::log(390)));
             const Eigen::Vector4d c =
                 clip * (ray.origin + metres * (ray.end - ray.origin).normalized()).homogeneous();
@@ -114,7 +114,8 @@ TEST_CASE("froxel: homogeneous fog is within its interpolation bound, every came
         const bool ortho = camera.projection == Camera::Projection::orthographic;
         const FogPicture picture = make_picture(gl, camera, random_depth(camera, random));
         const auto matrices = camera_matrices(camera, kWidth, kHeight);
-        const double limit = std::isfinite(camera.far_plane) ? camera.far_plane : 1e6;
+        const PixelRays rays(camera, kWidth, kHeight);
+        const double limit = sky_limit(camera);
         const double log_q = std::log(limit / 0.5) / kZ;
         const double tile_x = ortho ? 0 : 2 / matrices.projection(0, 0) / kX;
         const double tile_y = ortho ? 0 : 2 / matrices.projection(1, 1) / kY;
@@ -129,7 +130,7 @@ TEST_CASE("froxel: homogeneous fog is within its interpolation bound, every came
             for (int x = 0; x < kWidth; ++x) {
                 const float depth =
                     picture.depth[static_cast<std::size_t>((kHeight - 1 - y) * kWidth + x)];
-                const PixelRay ray = pixel_ray(matrices, camera, kWidth, kHeight, x, y, depth);
+                const PixelRay ray = rays.at(x, y, depth);
                 const double metres = ray.sky ? limit : (ray.end - ray.origin).norm();
                 const bool at_x = x == 0 || x == kWidth - 1, at_y = y == 0 || y == kHeight - 1;
                 const double bound =

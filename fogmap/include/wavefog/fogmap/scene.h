@@ -10,6 +10,7 @@
 #include "wavefog/fogmap/fog.h"
 #include "wavefog/fogmap/fog_file.h"
 #include "wavefog/fogmap/image.h"
+#include "wavefog/wavelet/path_table.h"
 
 namespace wavefog {
 
@@ -53,19 +54,13 @@ struct MeshInstance {
 /// Ways to evaluate the optical depth of the wavelet fog, and the baselines (design.md section 1).
 enum class MethodKind { reference, exact, paper, paper_scaling, march, froxel, homogeneous };
 
-/// What a path-integral table stores for an entry and an exit point of a cell (stability.md 7).
-enum class TableLayout {
-    mean,       ///< mean density along the chord, by pair of edges; times the exact length
-    perimeter,  ///< the integral itself, both points by their place on the perimeter (paper 004)
-};
-
 struct Method {
     MethodKind kind = MethodKind::exact;
     int samples = 32;  ///< march:N
     /// paper[:N[:perimeter]], paper-scaling[:N[:perimeter]]: samples an edge of the path-integral
     /// tables; 0: 2 for degree 0 and 1 (exact), 32 for degree 2.
     int table = 0;
-    TableLayout layout = TableLayout::mean;
+    PathLayout layout = PathLayout::mean;
     int froxels[3] = {160, 90, 64};  ///< froxel:XxYxZ
     double mu = 1;                   ///< [0,1], paper 004 eq. 12
     std::string name() const;

@@ -69,14 +69,4 @@ class ShaderOnCpu {
     std::unique_ptr<Impl> impl_;
 };
 
-/// World-space ray of every pixel, as the pass sees it, from the same depth values (row 0 at the
-/// top): what a CPU method needs to draw the same picture. `sky` pixels have no end point.
-struct PixelRay {
-    Eigen::Vector3d origin;
-    Eigen::Vector3d end;        ///< surface point; for sky: origin + unit direction
-    bool sky = false;
-};
-PixelRay pixel_ray(const CameraMatrices& matrices, const Camera& camera, int width, int height,
-                   int x, int y_from_top, double depth);
-
 }  // namespace wavefog

@@ -1,0 +1,42 @@
+// Certified bounds on the error of leaving details out.
+#pragma once
+
+#include <vector>
+
+#include "wavefog/fogmap/fog.h"
+
+namespace wavefog {
+
+/// How far optical depth can be off when details are dropped, for every segment wherever it lies:
+/// no picture is looked at, so the bound holds for all cameras.
+///
+/// Where only levels up to l count, the density is off by at most E_l(cell) = sum over the dropped
+/// levels of the largest |residual coefficient| that reaches the cell (B-splines are not negative
+/// and sum to 1, so a spline lies within its coefficients). A segment's integral of E_l is at most
+/// the heaviest path through the grid of E_l that its shadow on the ground can take (dynamic
+/// programming), plus the largest E_l times the height that it climbs: ds <= |horizontal| + |dy|.
+/// The clamp of steps at 0 only brings a sum closer to that of a map without negative density.
+class DetailBound {
+  public:
+    /// `fog` must pass Fog::validate() and be non-negative at its finest level.
+    explicit DetailBound(const Fog& fog);
+
+    /// |tau_mu - tau| for every segment of at most `length` metres whose ends differ by at most
+    /// `rise` metres in height; rule of mu as in Reference::optical_depth. 0 at mu = 1. Rounding is
+    /// not counted.
+    double optical_depth(double mu, double length, double rise) const;
+
+    /// |T_mu - T|, from the same: T <= 1, so that |dT| <= 1 - exp(-|dtau|).
+    double transmittance(double mu, double length, double rise) const;
+
+    int levels() const { return static_cast<int>(dropped_.size()); }
+
+  private:
+    double heaviest_segment(const Grid<float>& density, double length, double rise) const;
+
+    std::vector<Grid<float>> dropped_;  ///< [l]: E_l by blocks of cells, times extinction, 1/m
+    double block_x_ = 1, block_z_ = 1;  ///< metres
+    bool repeat_ = false;
+};
+
+}  // namespace wavefog

@@ -1,0 +1,46 @@
+// The fog pass's rays in double: what a CPU method needs to draw the picture that the shader draws.
+#pragma once
+
+#include <vector>
+
+#include "wavefog/fogmap/reference.h"
+#include "wavefog/fogmap/scene.h"
+#include "wavefog/gpu/frame.h"
+
+namespace wavefog {
+
+/// Sky rays end here when nothing else ends them, metres: the far plane, or 1000 km without one.
+double sky_limit(const Camera& camera);
+
+/// From clip coordinates to world directions from the eye: of the view only its rotation, so that
+/// no world coordinate costs precision.
+Eigen::Matrix4d eye_from_clip(const CameraMatrices& matrices);
+
+/// `sky` pixels have no end point.
+struct PixelRay {
+    Eigen::Vector3d origin;
+    Eigen::Vector3d end;  ///< surface point; for sky: origin + unit direction
+    bool sky = false;
+};
+
+/// World-space rays of a picture, rebuilt from depth values as the fog pass does.
+class PixelRays {
+  public:
+    PixelRays(const Camera& camera, int width, int height);
+
+    /// The ray of a pixel (row 0 at the top) with this value in the depth buffer.
+    PixelRay at(int x, int y_from_top, double depth) const;
+    double sky_depth() const { return sky_depth_; }
+    /// The sum of the fogs' optical depths along a ray; a sky ray ends at each fog's far end.
+    double optical_depth(const std::vector<Reference>& fogs, const PixelRay& ray,
+                         double mu = 1) const;
+
+  private:
+    Eigen::Matrix4d eye_from_clip_;
+    Eigen::Vector3d eye_;
+    double sky_depth_, sky_limit_;
+    int width_, height_;
+    bool orthographic_;
+};
+
+}  // namespace wavefog

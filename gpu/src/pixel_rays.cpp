@@ -1,0 +1,65 @@
+#include "wavefog/gpu/pixel_rays.h"
+
+#include <Eigen/LU>
+#include <cmath>
+
+namespace wavefog {
+
+double sky_limit(const Camera& camera) {
+    return std::isfinite(camera.far_plane) ? camera.far_plane : 1e6;
+}
+
+Eigen::Matrix4d eye_from_clip(const CameraMatrices& matrices) {
+    Eigen::Matrix4d rotation = matrices.view;
+    rotation.topRightCorner<3, 1>().setZero();
+    return (matrices.projection * rotation).inverse();
+}
+
+PixelRays::PixelRays(const Camera& camera, int width, int height)
+    : eye_(camera.eye),
+      sky_limit_(sky_limit(camera)),
+      width_(width),
+      height_(height),
+      orthographic_(camera.projection == Camera::Projection::orthographic) {
+    const CameraMatrices matrices = camera_matrices(camera, width, height);
+    eye_from_clip_ = eye_from_clip(matrices);
+    sky_depth_ = matrices.sky_depth;
+}
+
+PixelRay PixelRays::at(int x, int y_from_top, double depth) const {
+    const Eigen::Vector2d ndc(2 * (x + 0.5) / width_ - 1, 1 - 2 * (y_from_top + 0.5) / height_);
+    const auto point = [&](double d) -> Eigen::Vector4d {
+        return eye_from_clip_ * Eigen::Vector4d(ndc.x(), ndc.y(), d, 1);
+    };
+    PixelRay ray;
+    ray.sky = depth == sky_depth_;
+    const Eigen::Vector4d surface = point(depth);
+    Eigen::Vector3d start = Eigen::Vector3d::Zero(), path;
+    if (orthographic_) {
+        start = point(1 - sky_depth_).head<3>();
+        path = surface.head<3>() - start;
+    } else {
+        path = ray.sky ? Eigen::Vector3d(surface.head<3>())
+                       : Eigen::Vector3d(surface.head<3>() / surface.w());
+    }
+    if (ray.sky) path.normalize();
+    ray.origin = eye_ + start;
+    ray.end = ray.origin + path;
+    return ray;
+}
+
+double PixelRays::optical_depth(const std::vector<Reference>& fogs, const PixelRay& ray,
+                                double mu) const {
+    double sum = 0;
+    for (const Reference& fog : fogs) {
+        Eigen::Vector3d end = ray.end;
+        if (ray.sky) {
+            const Eigen::Vector3d direction = ray.end - ray.origin;
+            end = ray.origin + fog.far_end(ray.origin, direction, sky_limit_) * direction;
+        }
+        sum += fog.optical_depth(ray.origin, end, mu);
+    }
+    return sum;
+}
+
+}  // namespace wavefog
