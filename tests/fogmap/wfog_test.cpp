@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "support/random.h"
+#include "wavefog/fogmap/reference.h"
 #include "wavefog/fogmap/wfog.h"
 
 namespace wavefog {
@@ -263,6 +264,47 @@ TEST_CASE("wfog: as good as fits into so many bytes") {
     options.promise = Promise::bytes;
     options.bytes = 10;
     CHECK_FALSE(encode_wfog(fog, options).has_value());
+}
+
+TEST_CASE("wfog: no ray's transmittance is off by more than promised") {
+    test::Random random(31);
+    for (const Kind kind : {Kind::smooth, Kind::noise})
+        for (const bool repeat : {false, true}) {
+            const Grid<float> map = make_map(kind, 150, 130, random.seed());
+            Fog fog =
+                fog_of(map, {1, "", Form::wavelet, 3, repeat ? Boundary::repeat : Boundary::zero});
+            fog.rect = {0, 0, 300, 260};
+            fog.extinction = 0.02;
+            fog.profile = {.kind = Profile::Kind::exponential, .base = 0, .scale = 10};
+            WfogOptions options;
+            options.promise = Promise::max_transmittance_error;
+            options.error = 0.01;
+            options.path = 200;
+            const EncodedFog file = encoded(fog, options, &map);
+            const DecodedFog back = decoded(file.bytes);
+            const Reference first(fog), second(back.fog);
+            double worst = 0;
+            for (int ray = 0; ray < 3000; ++ray) {
+                const Eigen::Vector3d o(random.uniform(0, 300), random.uniform(0, 5),
+                                        random.uniform(0, 260));
+                const double angle = random.uniform(0, 6.2832), rise = random.uniform(-0.02, 1);
+                const Eigen::Vector3d u =
+                    Eigen::Vector3d(std::cos(angle), std::max(rise, 0.0), std::sin(angle))
+                        .normalized();
+                const Eigen::Vector3d p = o + u * random.uniform(1, 200);
+                worst = std::max(worst, std::fabs(std::exp(-first.optical_depth(o, p)) -
+                                                  std::exp(-second.optical_depth(o, p))));
+            }
+            CHECK(worst <= options.error);
+            // What promises the same for every pixel takes several times the bytes.
+            WfogOptions pixels;
+            pixels.promise = Promise::max_error;
+            pixels.error = options.error / (fog.extinction * options.path);
+            const std::size_t bytes = encoded(fog, pixels, &map).bytes.size();
+            MESSAGE(bytes << " bytes by pixels, " << file.bytes.size() << " by rays, worst "
+                          << worst);
+            CHECK(file.bytes.size() * 3 / 2 < bytes);
+        }
 }
 
 TEST_CASE("wfog: limits, cancelling and streams") {

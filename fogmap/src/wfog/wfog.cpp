@@ -14,6 +14,7 @@
 #include "bands.h"
 #include "format.h"
 #include "plane.h"
+#include "ray_errors.h"
 
 namespace wavefog {
 
@@ -258,6 +259,42 @@ Result<EncodedFog> fit_bytes(PixelEncoder& encoder, double scale, size_t bytes) 
     return best;
 }
 
+/// The largest error whose rays still keep the promise. What guarantees the same pixel by pixel,
+/// E / (extinction * path), is where the search starts; it ends where no larger error is worth it.
+Result<EncodedFog> fit_rays(PixelEncoder& encoder, const Fog& fog, const Source& source,
+                            const WfogOptions& options, double scale) {
+    constexpr int kFewAngles = 24, kAngles = 128;
+    const auto ray_error = [&](const EncodedFog& encoded, int angles) -> Result<double> {
+        WfogLimits limits;
+        limits.max_map_bytes = std::numeric_limits<size_t>::max();
+        limits.threads = options.threads;
+        limits.stop = options.stop;
+        const auto decoded = decode_wfog(encoded.bytes, limits);
+        if (!decoded) return tl::unexpected(decoded.error());
+        return worst_ray_error(fog, decoded->map - source.map, options.path, angles);
+    };
+    const double sure = options.error / std::max(fog.extinction * options.path, 1e-300);
+    double low = std::log(sure), high = std::log(std::max(scale, sure));
+    auto best = encoder.encode(std::min(sure, scale));
+    if (!best) return best;
+    for (int i = 0; i < 10 && high - low > 0.02; ++i) {
+        // White errors add up like the root of the cells: the answer is nearer to the low end.
+        const double middle = low + (high - low) * (i == 0 ? 0.4 : 0.5);
+        auto trial = encoder.encode(std::exp(middle));
+        if (!trial) return trial;
+        auto worst = ray_error(*trial, kFewAngles);
+        if (worst && *worst <= options.error) worst = ray_error(*trial, kAngles);
+        if (!worst) return tl::unexpected(worst.error());
+        if (*worst <= options.error) {
+            low = middle;
+            if (trial->bytes.size() <= best->bytes.size()) best = std::move(trial);
+        } else {
+            high = middle;
+        }
+    }
+    return best;
+}
+
 /// Decodes the bytes and holds them against the promise; fills in the report.
 Result<void> verify(const Fog& fog, const Source& source, double allowed,
                     const WfogOptions& options, double scale, EncodedFog& encoded) {
@@ -314,7 +351,9 @@ Result<EncodedFog> encode(const Fog& fog, const WfogOptions& options, const Grid
             allowed = std::numeric_limits<double>::infinity();
             break;
         case Promise::max_transmittance_error:
-            return usage_error("max_transmittance_error does not exist yet");
+            encoded = fit_rays(encoder, fog, source, options, std::max(scale, 1e-30));
+            allowed = std::numeric_limits<double>::infinity();
+            break;
     }
     if (!encoded) return encoded;
     if (auto ok = verify(fog, source, allowed, options, scale, *encoded); !ok)
