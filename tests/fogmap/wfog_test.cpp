@@ -268,13 +268,13 @@ TEST_CASE("wfog: as good as fits into so many bytes") {
 
 TEST_CASE("wfog: no ray's transmittance is off by more than promised") {
     test::Random random(31);
-    for (const Kind kind : {Kind::smooth, Kind::noise})
+    for (const Kind kind : {Kind::floats, Kind::noise})
         for (const bool repeat : {false, true}) {
             const Grid<float> map = make_map(kind, 150, 130, random.seed());
             Fog fog =
                 fog_of(map, {1, "", Form::wavelet, 3, repeat ? Boundary::repeat : Boundary::zero});
             fog.rect = {0, 0, 300, 260};
-            fog.extinction = 0.02;
+            fog.extinction = 0.03;
             fog.profile = {.kind = Profile::Kind::exponential, .base = 0, .scale = 10};
             WfogOptions options;
             options.promise = Promise::max_transmittance_error;
@@ -296,14 +296,15 @@ TEST_CASE("wfog: no ray's transmittance is off by more than promised") {
                                                   std::exp(-second.optical_depth(o, p))));
             }
             CHECK(worst <= options.error);
-            // What promises the same for every pixel takes several times the bytes.
+            // What promises the same pixel by pixel takes more.
             WfogOptions pixels;
             pixels.promise = Promise::max_error;
-            pixels.error = options.error / (fog.extinction * options.path);
+            pixels.error = options.error / (fog.extinction * options.path * file.report.full_scale);
             const std::size_t bytes = encoded(fog, pixels, &map).bytes.size();
             MESSAGE(bytes << " bytes by pixels, " << file.bytes.size() << " by rays, worst "
                           << worst);
-            CHECK(file.bytes.size() * 3 / 2 < bytes);
+            // Noise of 8 bits takes many bits in either way.
+            CHECK(file.bytes.size() * (kind == Kind::noise ? 6 : 8) / 5 < bytes);
         }
 }
 

@@ -10,6 +10,7 @@ namespace wavefog::wfog {
 /// Level 0: the approximation; level l: phi psi, psi phi, psi psi and the residual of level l, some
 /// of them empty.
 std::vector<std::vector<Band<float>*>> bands_of(Decomposition<float>& decomposition);
+std::vector<std::vector<const Band<float>*>> bands_of(const Decomposition<float>& decomposition);
 
 /// Same bands, bit for bit.
 bool same_coefficients(const Decomposition<float>& a, const Decomposition<float>& b);

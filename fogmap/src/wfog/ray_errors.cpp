@@ -14,7 +14,7 @@ using std::size_t;
 
 constexpr double kBetweenLines = 1.25;
 /// Samples of one estimate at most: larger maps get fewer lines.
-constexpr double kMostSamples = 6e7;
+constexpr double kMostSamples = 1e7;
 
 /// The error field at a place in cells, pixel (0, 0) at 0. For degrees above 1 the field is an
 /// average of shifted copies of this one, so that no ray through it is worse.
@@ -24,15 +24,21 @@ class Field {
         : map_(map), nearest_(degree == 0), repeats_(boundary == Boundary::repeat) {}
 
     double at(double x, double z) const {
-        if (nearest_) return pixel(std::floor(x + 0.5), std::floor(z + 0.5));
-        const double i = std::floor(x), j = std::floor(z), a = x - i, b = z - j;
+        if (nearest_)
+            return pixel(static_cast<Eigen::Index>(std::floor(x + 0.5)),
+                         static_cast<Eigen::Index>(std::floor(z + 0.5)));
+        // Truncation rounds down: all places inside are above -kPast.
+        const auto i = static_cast<Eigen::Index>(x + kPast) - kPast;
+        const auto j = static_cast<Eigen::Index>(z + kPast) - kPast;
+        const double a = x - double(i), b = z - double(j);
         return (pixel(i, j) * (1 - a) + pixel(i + 1, j) * a) * (1 - b) +
                (pixel(i, j + 1) * (1 - a) + pixel(i + 1, j + 1) * a) * b;
     }
 
   private:
-    double pixel(double i, double j) const {
-        auto x = static_cast<Eigen::Index>(i), z = static_cast<Eigen::Index>(j);
+    static constexpr Eigen::Index kPast = 1 << 20;
+
+    double pixel(Eigen::Index x, Eigen::Index z) const {
         if (repeats_) {
             x = (x % map_.cols() + map_.cols()) % map_.cols();
             z = (z % map_.rows() + map_.rows()) % map_.rows();
@@ -45,23 +51,46 @@ class Field {
     const bool nearest_, repeats_;
 };
 
-/// Largest |sum[j] - sum[i]| with 0 < j - i <= length.
-double widest(const std::vector<double>& sums, size_t length, std::vector<size_t>& queue) {
-    double worst = 0;
-    for (const double sign : {1.0, -1.0}) {
-        queue.clear();  // places of rising values among the last `length`
-        size_t first = 0;
-        for (size_t j = 0; j < sums.size(); ++j) {
-            while (first < queue.size() && queue[first] + length < j) ++first;
-            if (first < queue.size())
-                worst = std::max(worst, sign * (sums[j] - sums[queue[first]]));
-            while (queue.size() > first && sign * sums[queue.back()] >= sign * sums[j])
-                queue.pop_back();
-            queue.push_back(j);
+/// The largest |sums[j] - sums[i]| with i < j <= i + length, for each of the `lengths` 1, 2, 3, 4,
+/// 6, 8, 12 ... and last any other. Extremes of windows come from those of windows half as long.
+class Windows {
+  public:
+    void widen(const std::vector<double>& sums, const std::vector<size_t>& lengths,
+               std::vector<double>& worst) {
+        const size_t count = sums.size(), last = lengths.back();
+        high_.assign(count + last + 1, sums.back());
+        std::copy(sums.begin(), sums.end(), high_.begin());
+        low_ = high_;
+        size_t width = 0;  // extremes of sums[i .. i + width]
+        size_t power = 1;
+        for (size_t k = 0; k < lengths.size(); ++k) {
+            while (power <= lengths[k]) {
+                grow(count + last - power, power - width);
+                width = power;
+                power *= 2;
+            }
+            // Two windows of `width` cover the length.
+            const size_t shift = lengths[k] - width;
+            double most = worst[k];
+            for (size_t i = 0; i < count; ++i) {
+                const double up = std::max(high_[i], high_[i + shift]) - sums[i];
+                const double down = sums[i] - std::min(low_[i], low_[i + shift]);
+                most = std::max(most, std::max(up, down));
+            }
+            worst[k] = most;
         }
     }
-    return worst;
-}
+
+  private:
+    void grow(size_t count, size_t shift) {
+        for (size_t i = 0; i < count; ++i) {
+            high_[i] = std::max(high_[i], high_[i + shift]);
+            low_[i] = std::min(low_[i], low_[i + shift]);
+        }
+    }
+
+    std::vector<double> high_, low_;
+};
 
 /// The integral of h upwards from where it is 1, metres.
 double thickness(const Profile& profile) {
@@ -93,13 +122,15 @@ double worst_ray_error(const Fog& fog, const Grid<float>& error, double path, in
     const double lines = 2 * radius / step;
     const double spacing = step * std::max(1.0, per_line * lines * angles / kMostSamples);
 
-    // Segments of 1, 2, 4 ... steps, and the longest.
     std::vector<size_t> lengths;
     const auto most = static_cast<size_t>(std::ceil(longest / step));
-    for (size_t n = 1; n < most; n *= 2) lengths.push_back(n);
+    for (size_t n = 1; n < most; n *= 2) {
+        lengths.push_back(n);
+        if (n > 1 && n / 2 * 3 < most) lengths.push_back(n / 2 * 3);
+    }
     lengths.push_back(std::max<size_t>(most, 1));
     std::vector<double> worst(lengths.size(), 0.0), sums;
-    std::vector<size_t> queue;
+    Windows windows;
     for (int a = 0; a < angles; ++a) {
         const double angle = std::numbers::pi * (a + 0.25) / angles;
         const double ux = std::cos(angle), uz = std::sin(angle);
@@ -114,8 +145,7 @@ double worst_ray_error(const Fog& fog, const Grid<float>& error, double path, in
                 sums.push_back(sums.back() + value * step);
             }
             if (!inside) continue;
-            for (size_t k = 0; k < lengths.size(); ++k)
-                worst[k] = std::max(worst[k], widest(sums, lengths[k], queue));
+            windows.widen(sums, lengths, worst);
         }
     }
     const double largest = error.size() > 0 ? double(error.abs().maxCoeff()) : 0;

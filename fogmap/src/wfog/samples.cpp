@@ -51,14 +51,14 @@ std::optional<std::int32_t> Scale::integer(float value) const {
     }
     const double k = kind == Kind::ratio ? double(value) * divisor : double(value) / step;
     if (!(std::fabs(k) <= kMostInteger)) return {};
-    return static_cast<std::int32_t>(std::lround(k));
+    return static_cast<std::int32_t>(k < 0 ? k - 0.5 : k + 0.5);
 }
 
 std::optional<Scale> ratio_of(const Grid<float>& map, double slack) {
     const double largest = map.size() > 0 ? double(map.abs().maxCoeff()) : 0;
     for (const std::uint32_t divisor : {255u, 1u, 65535u, 10u, 100u, 1000u, 10000u, 2u, 4u, 8u, 16u,
                                         32u, 64u, 128u, 256u, 1024u}) {
-        const Scale scale{Scale::Kind::ratio, divisor, 1};
+        const Scale scale{.kind = Scale::Kind::ratio, .divisor = divisor};
         const double tolerance = largest * slack;
         // A grid finer than the tolerance would fit anything.
         if (tolerance * divisor > 0.1) continue;
@@ -71,13 +71,13 @@ std::optional<Scale> ratio_of(const Grid<float>& map, double slack) {
                    std::fabs(double(back) - double(value)) <= tolerance;
         });
         if (!fits) continue;
+        if (divisor == 255 || divisor == 65535) return scale;
         // Steps of 4/100 are steps of 1/25.
         std::uint32_t common = divisor;
         for (Eigen::Index i = 0; common > 1 && i < map.size(); ++i)
             common =
                 std::gcd(common, static_cast<std::uint32_t>(std::abs(*scale.integer(begin[i]))));
-        if (common > 1 && largest > 0 && divisor != 255 && divisor != 65535)
-            return Scale{Scale::Kind::ratio, divisor / common, 1};
+        if (common > 1 && largest > 0) return Scale{.kind = Scale::Kind::ratio, .divisor = divisor / common};
         return scale;
     }
     return {};
@@ -93,7 +93,7 @@ Scale exact_scale(const Grid<float>& map) {
     std::sort(bits.begin(), bits.end());
     const std::size_t pixels = bits.size();
     bits.erase(std::unique(bits.begin(), bits.end()), bits.end());
-    Scale scale{Scale::Kind::float_bits, 1, 1};
+    Scale scale{.kind = Scale::Kind::float_bits};
     if (bits.size() <= kMaxTable && bits.size() * 8 <= pixels) {
         scale.kind = Scale::Kind::table;
         for (const std::int32_t each : bits)

@@ -327,7 +327,8 @@ std::vector<Bytes> encode_tables(Tile& tile, const TileCoding& coding) {
         Parts& parts = levels[l];
         const Weights weights = fit(parts);
         parts.coarse = std::move(whole);
-        symbols = {};
+        symbols.values.clear();
+        symbols.contexts.clear();
         for_each_row(parts, weights, step, most,
                      [&](float* values, int width, const float* predicted, const uint8_t* contexts,
                          int32_t* quotients) {

@@ -152,17 +152,35 @@ Bytes write_symbols(const Symbols& symbols) {
     const size_t state_count = states_for(count);
     std::array<uint32_t, 4> states;
     states.fill(kLowestState);
+    words.reserve(count / 2);
+    std::array<std::array<double, kTokens>, kTokenContexts> inverses{};
+    for (size_t c = 0; c < kTokenContexts; ++c)
+        for (size_t t = 0; t < kTokens && seen[c] > 0; ++t)
+            inverses[c][t] = 1.0 / frequencies[c].frequency[t];
     for (size_t i = count; i-- > 0;) {
-        const Frequencies& f = frequencies[symbols.contexts[i]];
+        const size_t c = symbols.contexts[i];
+        const Frequencies& f = frequencies[c];
         const uint32_t frequency = f.frequency[tokens[i]];
         uint32_t& x = states[i % state_count];
         if (x >= frequency << (32 - kScaleBits)) {
             words.push_back(static_cast<std::uint16_t>(x & 0xffff));
             x >>= 16;
         }
-        x = ((x / frequency) << kScaleBits) + x % frequency + f.start[tokens[i]];
+        // A double's product is off by one at most, and quicker than a division.
+        auto quotient =
+            static_cast<uint32_t>(static_cast<std::int64_t>(x * inverses[c][tokens[i]]));
+        auto rest = static_cast<std::int32_t>(x - quotient * frequency);
+        if (rest < 0) {
+            --quotient;
+            rest += static_cast<std::int32_t>(frequency);
+        } else if (rest >= static_cast<std::int32_t>(frequency)) {
+            ++quotient;
+            rest -= static_cast<std::int32_t>(frequency);
+        }
+        x = (quotient << kScaleBits) + static_cast<uint32_t>(rest) + f.start[tokens[i]];
     }
     stream.length(words.size());
+    stream.bytes.reserve(stream.bytes.size() + 2 * words.size() + 32);
     for (size_t s = 0; s < state_count; ++s) stream.fixed(states[s], 4);
     for (size_t i = words.size(); i-- > 0;) stream.fixed(words[i], 2);
     stream.append(bits.finish());
