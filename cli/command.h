@@ -19,5 +19,6 @@ Command add_decode(CLI::App& root);
 Command add_probe(CLI::App& root);
 Command add_render(CLI::App& root);
 Command add_bench(CLI::App& root);
+Command add_fit(CLI::App& root);
 
 }  // namespace wavefog::cli

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "parallel.h"
+#include "wavefog/fogmap/bound.h"
 #include "wavefog/fogmap/reference.h"
 #include "wavefog/gpu/pixel_rays.h"
 
@@ -94,6 +95,39 @@ Truth compute_truth(const std::vector<Fog>& fogs, const Camera& camera, const Im
     };
     parallel_chunks("integrating the truth", std::size_t(truth.height), 4, integrate_rows);
     return truth;
+}
+
+RayReach ray_reach(const std::vector<Fog>& fogs, const Camera& camera, const Image& depth) {
+    const std::vector<Reference> references(fogs.begin(), fogs.end());
+    const PixelRays rays(camera, depth.width, depth.height);
+    RayReach reach;
+    const auto include = [&](const Eigen::Vector3d& path) {
+        reach.length = std::max(reach.length, path.norm());
+        reach.rise = std::max(reach.rise, std::abs(path.y()));
+    };
+    for (int y = 0; y < depth.height; ++y)
+        for (int x = 0; x < depth.width; ++x) {
+            const PixelRay ray = rays.at(x, y, double(depth.at(x, y, 0)));
+            const Eigen::Vector3d path = ray.end - ray.origin;
+            if (!ray.sky) include(path);
+            for (const Reference& fog : references)
+                if (ray.sky) include(path * fog.far_end(ray.origin, path, sky_limit(camera)));
+        }
+    return reach;
+}
+
+std::optional<double> certified_bound(const std::vector<Fog>& fogs, const Method& method,
+                                      const RayReach& reach) {
+    const bool paper = method.kind == MethodKind::paper || method.kind == MethodKind::paper_scaling;
+    if (method.kind != MethodKind::exact && !paper) return std::nullopt;
+    double tau = 0;
+    for (const Fog& fog : fogs) {
+        // Their tables are exact for degree 0 and 1 with mean densities alone.
+        if (paper && (fog.degree() > 1 || method.layout != PathLayout::mean)) return std::nullopt;
+        if (method.mu < 1)
+            tau += DetailBound(fog).optical_depth(method.mu, reach.length, reach.rise);
+    }
+    return std::min(-std::expm1(-tau) + kRounding, 1.0);
 }
 
 Accuracy measure_accuracy(const Truth& truth, const Image& tau, const Image& scene,

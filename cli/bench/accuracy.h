@@ -1,6 +1,7 @@
 // How far a picture is from the truth.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "wavefog/fogmap/image.h"
@@ -17,6 +18,21 @@ struct Truth {
 /// From the depth buffer that the fog passes read, on all cores. `fogs` as undecomposed() makes
 /// them: the finest map itself.
 Truth compute_truth(const std::vector<Fog>& fogs, const Camera& camera, const Image& depth);
+
+/// What rays a picture has: bounds on errors need no more.
+struct RayReach {
+    double length = 0;  ///< the longest inside a fog's box or up to a surface, metres
+    double rise = 0;    ///< the largest difference in height of such a ray's ends, metres
+};
+RayReach ray_reach(const std::vector<Fog>& fogs, const Camera& camera, const Image& depth);
+
+/// What float32 may add to a certified bound: the accuracy that the tests hold the shaders to.
+inline constexpr double kRounding = 2e-6;
+
+/// Certified bound on |dT| for every ray of that reach, dropped details and rounding together;
+/// empty for methods that sample or interpolate.
+std::optional<double> certified_bound(const std::vector<Fog>& fogs, const Method& method,
+                                      const RayReach& reach);
 
 struct Accuracy {
     double max_dT = 0, p99_dT = 0;  ///< of |T - T_true| over the pixels

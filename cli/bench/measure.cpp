@@ -55,6 +55,7 @@ struct Measurement::Stage {
     Output fogged, pilot_fogged;  ///< RGBA16F, what is timed
     Output fine;                  ///< RGBA32F, what accuracy is measured on
     Image scene_colour, depth;
+    RayReach reach;
 
     static Result<Stage> create(const Gl& gl, const Scene& scene, const Size& size) {
         Stage stage;
@@ -87,6 +88,7 @@ struct Measurement::Stage {
 
 struct Measurement::Contender {
     std::size_t variant = 0;
+    Method method;
     FogPass pass;
     Row row;
     double estimate = 0;  ///< seconds of a frame
@@ -151,6 +153,8 @@ Result<void> Measurement::run_group(const Group& group, double seconds, Results&
     Result<Stage> stage = Stage::create(context_.gl(), scene, group.size);
     if (!stage) return tl::unexpected(stage.error());
 
+    if (!group.variants.empty())
+        stage->reach = ray_reach(group.variants.front().fogs, scene.camera, stage->depth);
     // Truths come first: they do not disturb the timing.
     std::vector<const Truth*> truths;
     for (const Variant& variant : group.variants) {
@@ -169,7 +173,7 @@ Result<void> Measurement::run_group(const Group& group, double seconds, Results&
             return;
         }
         row.bytes = pass->bytes();
-        contenders.push_back({variant, *std::move(pass), std::move(row), 0, 0, {}, {}});
+        contenders.push_back({variant, method, *std::move(pass), std::move(row), 0, 0, {}, {}});
     };
     enter(0, homogeneous_method());
     for (const Case& one : group.cases)
@@ -184,6 +188,8 @@ Result<void> Measurement::run_group(const Group& group, double seconds, Results&
             show_progress(label(contender.row));
             fill_times(contender, homogeneous_ms);
             fill_accuracy(contender, *truths[contender.variant], *stage, scene);
+            contender.row.bound_dT = certified_bound(group.variants[contender.variant].fogs,
+                                                     contender.method, stage->reach);
         }
         results.rows.push_back(std::move(contender.row));
     }

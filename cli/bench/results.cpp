@@ -25,9 +25,11 @@ Facts value_json(const T& value) {
         return value;
 }
 
-/// Reads `object[key]` into a string, a number or an optional; throws the JSON library's errors.
+/// Reads `object[key]` into a string, a number or an optional, which results of an older version may
+/// lack; throws the JSON library's errors.
 template <class T>
 void read_value(const Facts& object, const char* key, T& value) {
+    if (IsOptional<T>::value && !object.contains(key)) return;
     const Facts& stored = object.at(key);
     if constexpr (IsOptional<T>::value) {
         if (stored.is_null())

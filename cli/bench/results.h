@@ -26,7 +26,8 @@ struct Row {
     std::optional<double> ms_median, ms_p05, ms_p95, fps, ratio_homogeneous;
     std::optional<double> max_dT, p99_dT, rmse_tau, psnr, ssim;
     std::optional<std::size_t> bytes;
-    std::string group;  ///< rows of a group took turns frame by frame
+    std::optional<double> bound_dT;  ///< certified for every ray of the picture's reach; else empty
+    std::string group;               ///< rows of a group took turns frame by frame
     std::string form;
     int frames = 0;
     std::optional<double> gpu_ms_median, wall_ms_median;
@@ -57,6 +58,7 @@ void for_each_column(RowType& row, F&& f) {
     f("psnr", row.psnr);
     f("ssim", row.ssim);
     f("bytes", row.bytes);
+    f("bound_dT", row.bound_dT);
     f("group", row.group);
     f("form", row.form);
     f("frames", row.frames);

@@ -94,7 +94,7 @@ std::string rows_text(const std::vector<Row>& rows, bool markdown) {
         std::vector<std::string> header = {"method"};
         if (levels_differ) header.push_back("levels");
         if (mus_differ) header.push_back("μ");
-        for (const char* name : {"ms", "[5 %, 95 %]", "fps", "× homogeneous", "max |ΔT|",
+        for (const char* name : {"ms", "[5 %, 95 %]", "fps", "× homogeneous", "max |ΔT|", "bound",
                                  "99 % |ΔT|", "PSNR, dB", "SSIM", "KiB"})
             header.push_back(name);
         Table table(header);
@@ -109,6 +109,7 @@ std::string rows_text(const std::vector<Row>& rows, bool markdown) {
             cells.push_back(short_number(row.fps));
             cells.push_back(short_number(row.ratio_homogeneous));
             cells.push_back(error_number(row.max_dT));
+            cells.push_back(error_number(row.bound_dT));
             cells.push_back(error_number(row.p99_dT));
             cells.push_back(row.psnr ? fmt::format("{:.1f}", *row.psnr) : "-");
             cells.push_back(row.ssim ? fmt::format("{:.4f}", *row.ssim) : "-");

@@ -100,7 +100,7 @@ TEST_CASE("bench: the CSV has the promised columns first, and quotes commas") {
     const std::string csv = rows_csv(some_results().rows);
     CHECK(csv.rfind("scene,map,map_width,map_height,basis,family,levels,mu,method,width,height,"
                     "ms_median,ms_p05,ms_p95,fps,ratio_homogeneous,max_dT,p99_dT,rmse_tau,psnr,"
-                    "ssim,bytes",
+                    "ssim,bytes,bound_dT",
                     0) == 0);
     CHECK(csv.find("hill,\"a, \"\"b\"\".png\",64,64,linear,\"2,2\",0,1.0,exact,800,600,20.0,,,50.0,"
                    "10.0,1e-07,") != std::string::npos);
