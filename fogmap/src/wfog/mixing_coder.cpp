@@ -225,7 +225,9 @@ class Model {
             const int64_t d = truth - p;
             quotient = d >= 0 ? (d + coding_.bound) / step_ : -((coding_.bound - d) / step_);
         }
-        quotient = symbol(quotient, p, energy, energy_class, second_set);
+        // No quotient of a true stream is beyond this; others must not overflow.
+        const int64_t limit = (int64_t(1) << 33) / step_ + 1;
+        quotient = std::clamp(symbol(quotient, p, energy, energy_class, second_set), -limit, limit);
         tile_.values[here] = static_cast<int32_t>(
             std::clamp<int64_t>(p + quotient * step_, coding_.low, coding_.high));
         quotients_[here] = static_cast<std::int16_t>(std::clamp<int64_t>(quotient, -30000, 30000));

@@ -116,8 +116,11 @@ double worst_ray_error(const Fog& fog, const Grid<float>& error, double path, in
     const double step = std::min(cell_x, cell_z);
     const double width = cell_x * d.width, height = cell_z * d.height;
     const double radius = std::hypot(width, height) / 2 + step;
-    const double longest = d.boundary == Boundary::repeat ? path : std::min(path, 2 * radius);
-    const double end = d.boundary == Boundary::repeat ? radius + path : radius;
+    // Over tiles, a very long ray is several long ones.
+    const bool repeats = d.boundary == Boundary::repeat;
+    const double longest = std::min(path, (repeats ? 8 : 2) * radius);
+    const double pieces = repeats ? std::ceil(path / longest) : 1;
+    const double end = repeats ? radius + longest : radius;
     const double per_line = (radius + end) / step;
     const double lines = 2 * radius / step;
     const double spacing = step * std::max(1.0, per_line * lines * angles / kMostSamples);
@@ -163,7 +166,7 @@ double worst_ray_error(const Fog& fog, const Grid<float>& error, double path, in
         double integral = largest * length;
         for (size_t k = 0; k < lengths.size(); ++k)
             if (static_cast<double>(lengths[k]) * step >= std::min(length * cosine, longest)) {
-                integral = std::min(integral, kBetweenLines * worst[k] / cosine);
+                integral = std::min(integral, kBetweenLines * pieces * worst[k] / cosine);
                 break;
             }
         bound = std::max(bound, integral);

@@ -77,7 +77,8 @@ std::optional<Scale> ratio_of(const Grid<float>& map, double slack) {
         for (Eigen::Index i = 0; common > 1 && i < map.size(); ++i)
             common =
                 std::gcd(common, static_cast<std::uint32_t>(std::abs(*scale.integer(begin[i]))));
-        if (common > 1 && largest > 0) return Scale{.kind = Scale::Kind::ratio, .divisor = divisor / common};
+        if (common > 1 && largest > 0)
+            return Scale{.kind = Scale::Kind::ratio, .divisor = divisor / common};
         return scale;
     }
     return {};
