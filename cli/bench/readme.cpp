@@ -4,6 +4,7 @@
 
 #include "bench/compression.h"
 #include "bench/paper_tables.h"
+#include "bench/scale.h"
 #include "bench/table_text.h"
 
 namespace wavefog::cli {
@@ -39,6 +40,8 @@ std::string report_text(const Results& results, bool markdown) {
         text = paper_tables_text(results.rows, markdown);
     else if (results.preset() == "compression")
         text = compression_text(results.compression, markdown);
+    else if (results.preset() == "scale")
+        text = scale_table_text(results.rows, markdown);
     else if (!results.rows.empty())
         text = rows_text(results.rows, markdown);
     for (const Figure& figure : results.figures)
