@@ -229,6 +229,10 @@ uint32_t SymbolReader::bits(unsigned count) {
 }
 
 void SymbolReader::read(const uint8_t* contexts, size_t count, std::int32_t* values) {
+    if (failed_) {
+        std::fill_n(values, count, 0);
+        return;
+    }
     for (size_t i = 0; i < count; ++i) {
         const Table& table = tables_[contexts[i]];
         if (table.token.empty()) {  // a context that the stream says is unused
