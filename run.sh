@@ -9,7 +9,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")"
 packages=(
     g++ cmake ninja-build
     libeigen3-dev libexpected-dev libfmt-dev nlohmann-json3-dev libcli11-dev
-    libopenimageio-dev openimageio-tools libopenexr-dev
+    libopenimageio-dev openimageio-tools libopenexr-dev libzstd-dev
     libglm-dev libgl-dev libosmesa6-dev libegl-dev libassimp-dev
     libmd-dev gnuplot-nox
     doctest-dev libtinyexr-dev libbenchmark-dev

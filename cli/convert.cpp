@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -10,9 +11,12 @@
 #include "files.h"
 #include "interrupt.h"
 #include "options.h"
+#include "parallel.h"
 #include "report.h"
+#include "transmittance.h"
 #include "wavefog/fogmap/fog_file.h"
 #include "wavefog/fogmap/image.h"
+#include "wavefog/fogmap/wfog.h"
 
 namespace wavefog::cli {
 namespace {
@@ -20,7 +24,9 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ConvertOptions {
-    fs::path input, output;
+    std::vector<fs::path> inputs;
+    fs::path output;  ///< a file, or a directory for several
+    fs::path input;   ///< the one at hand
     std::optional<int> degree;
     std::string family;
     std::optional<int> levels;
@@ -35,17 +41,19 @@ struct ConvertOptions {
     std::optional<Layout> layout;
     std::optional<int> path_table;
     PathLayout path_layout = PathLayout::mean;
+    WfogOptions compact;
+    int promises = 0;  ///< how many of --lossless, --max-error ... were given
     bool json = false;
 
     bool decomposes_anew() const { return degree || !family.empty() || levels || form || boundary; }
 };
 
 /// The fog of a picture.
-Result<Fog> fog_of_image(const ConvertOptions& options, Facts& facts) {
+Result<Fog> fog_of_image(const ConvertOptions& options, Grid<float>& pixels, Facts& facts) {
     ReadOptions read;
     read.channel = options.channel;
     read.sanitize = options.sanitize;
-    const Result<Fogmap> map = read_fogmap(options.input, read);
+    Result<Fogmap> map = read_fogmap(options.input, read);
     if (!map) return tl::unexpected(map.error());
     facts["source"] = map->source_format;
     facts["sanitized"] = map->sanitized;
@@ -58,17 +66,21 @@ Result<Fog> fog_of_image(const ConvertOptions& options, Facts& facts) {
     fog_options.levels = options.levels.value_or(fog_options.levels);
     fog_options.form = options.form.value_or(fog_options.form);
     fog_options.boundary = options.boundary.value_or(fog_options.boundary);
-    return make_fog(map->pixels, fog_options);
+    pixels = std::move(map->pixels);
+    return make_fog(pixels, fog_options);
 }
 
 /// The fog of a fog file, decomposed anew where a flag asks for it.
-Result<Fog> fog_of_fog(const ConvertOptions& options) {
+Result<Fog> fog_of_fog(const ConvertOptions& options, Grid<float>& pixels) {
     if (options.channel || options.sanitize)
         return usage_error(fmt::format(
             "{}: this is a fog file, which has no channels to choose or pixels to sanitize; leave "
             "out --channel and --sanitize",
             options.input.string()));
-    Result<Fog> fog = load_fog(options.input);
+    LoadNotes notes;
+    Result<Fog> fog = load_fog(options.input, &notes);
+    if (!notes.warning.empty()) warn(notes.warning);
+    pixels = std::move(notes.map);
     if (!fog || !options.decomposes_anew()) return fog;
     FogOptions again;
     const Decomposition<float>& old = fog->decomposition;
@@ -80,8 +92,8 @@ Result<Fog> fog_of_fog(const ConvertOptions& options) {
     if (again.family.empty() && again.degree == old.degree() && again.form == old.form)
         again.family = old.family.name();
     // Coefficients that were 0 can come back as -1e-9; a map has none below 0.
-    const Grid<float> map = reconstruct(old).cwiseMax(0.0f);
-    Result<Fog> changed = make_fog(map, again);
+    if (pixels.size() == 0) pixels = reconstruct(old).cwiseMax(0.0f);
+    Result<Fog> changed = make_fog(pixels, again);
     if (!changed) return changed;
     fog->decomposition = std::move(changed->decomposition);
     return fog;
@@ -92,6 +104,28 @@ void warn_about(const ConvertOptions& options, const Fog& fog) {
     if (options.levels && *options.levels > d.levels())
         warn("--" + level_cap_message(*options.levels, d.levels(), d.width, d.height, d.boundary));
     if (!d.family.stable()) warn(d.family.warning());
+}
+
+/// What says nothing about the file that is written is a mistake.
+Result<void> check_flags(const ConvertOptions& options, bool compact) {
+    if (compact && (options.half || options.layout || options.path_table))
+        return usage_error(
+            fmt::format("{}: --precision, --layout and --path-table are about .exr; leave them out",
+                        options.output.string()));
+    if (!compact && (options.promises > 0 || options.compact.best))
+        return usage_error(fmt::format(
+            "{}: --lossless, --max-error, --max-transmittance-error, --bytes and --best are about "
+            ".wfog; write one",
+            options.output.string()));
+    if (options.promises > 1)
+        return usage_error(
+            "--lossless, --max-error, --max-transmittance-error, --bytes: give one of them");
+    using Promise = WfogOptions::Promise;
+    const bool by_path = options.compact.promise == Promise::max_transmittance_error;
+    if (by_path != (options.compact.path > 0))
+        return usage_error(
+            "--max-transmittance-error and --path go together: the error is that of rays so long");
+    return {};
 }
 
 /// The description beside OUT.exr must not replace a JSON file of another kind, such as a scene.
@@ -106,29 +140,23 @@ Result<void> check_description(const fs::path& output) {
                     description.string(), output.string()));
 }
 
-Result<void> convert(const ConvertOptions& options) {
-    if (extension_of(options.output) == ".wfog")
-        return usage_error(
-            fmt::format("{}: this version cannot write .wfog files yet; write an "
-                        ".exr, which holds the same coefficients",
-                        options.output.string()));
-    if (auto ok = check_input(options.input); !ok) return ok;
-    if (auto ok = check_output(options.output, {options.input}, {".exr"}); !ok) return ok;
-    if (auto ok = check_description(options.output); !ok) return ok;
+/// The fog of the input, changed as the flags say. `map`: its pixels, where they are at hand.
+Result<Fog> fog_of_input(const ConvertOptions& options, Grid<float>& map, Facts& facts) {
     const bool from_fog = is_fog_file(options.input);
     if (!from_fog && !options.family.empty())
         if (const auto family = parse_family(options.family, options.degree.value_or(1)); !family)
             return tl::unexpected(family.error());
-
-    Facts facts = {{"input", options.input.string()}};
-    Result<Fog> fog = from_fog ? fog_of_fog(options) : fog_of_image(options, facts);
-    if (!fog) return tl::unexpected(fog.error());
+    Result<Fog> fog = from_fog ? fog_of_fog(options, map) : fog_of_image(options, map, facts);
+    if (!fog) return fog;
     if (options.rect) fog->rect = *options.rect;
     if (options.extinction) fog->extinction = *options.extinction;
     if (options.profile) fog->profile = *options.profile;
-    if (auto valid = fog->validate(); !valid) return valid;
+    if (auto valid = fog->validate(); !valid) return tl::unexpected(valid.error());
     warn_about(options, *fog);
+    return fog;
+}
 
+Result<void> write_exr(const ConvertOptions& options, const Fog& fog, Facts& facts) {
     SaveOptions save;
     save.half = options.half;
     save.layout = options.layout.value_or(options.path_table ? Layout::parts : Layout::atlas);
@@ -136,10 +164,8 @@ Result<void> convert(const ConvertOptions& options) {
     save.path_layout = options.path_layout;
     {
         const HoldInterrupts hold;
-        if (auto saved = save_fog(options.output, *fog, save); !saved) return saved;
+        if (auto saved = save_fog(options.output, fog, save); !saved) return saved;
     }
-
-    facts.update(fog_facts(*fog));
     facts["precision"] = options.half ? "half" : "float";
     std::uintmax_t bytes = 0;
     Facts names = Facts::array();
@@ -149,8 +175,166 @@ Result<void> convert(const ConvertOptions& options) {
     }
     facts["bytes"] = bytes;
     facts["wrote"] = names;
+    return {};
+}
+
+Result<void> write_wfog(const ConvertOptions& options, const Fog& fog, const Grid<float>& map,
+                        Facts& facts) {
+    const auto encoded = encode_wfog(fog, options.compact, map.size() > 0 ? &map : nullptr);
+    if (!encoded)
+        return tl::unexpected(
+            Error{encoded.error().kind,
+                  fmt::format("{}: {}", options.output.string(), encoded.error().message)});
+    {
+        const HoldInterrupts hold;
+        if (auto saved = save_wfog(options.output, encoded->bytes); !saved) return saved;
+    }
+    const WfogReport& report = encoded->report;
+    facts["profile_of_coder"] = options.compact.best ? "best" : "default";
+    facts["bytes"] = report.bytes;
+    facts["bits_per_pixel"] = report.bits_per_pixel;
+    facts["ratio"] = report.ratio;
+    facts["full_scale"] = report.full_scale;
+    facts["max_error"] = report.max_error;
+    facts["rms_error"] = report.rms_error;
+    const auto decoded = decode_wfog(encoded->bytes);
+    if (!decoded) return tl::unexpected(decoded.error());
+    const SampledError sampled =
+        sampled_transmittance_error(fog, decoded->fog, options.compact.path);
+    facts["worst_dT"] = sampled.worst;
+    facts["sampled_rays"] = sampled.rays;
+    facts["wrote"] = Facts::array({options.output.string()});
+    return {};
+}
+
+/// One file; what was written is told by `facts`.
+Result<void> convert_file(const ConvertOptions& options, Facts& facts) {
+    const bool compact = extension_of(options.output) == ".wfog";
+    if (auto ok = check_input(options.input); !ok) return ok;
+    if (auto ok = check_output(options.output, {options.input}, {".exr", ".wfog"}); !ok) return ok;
+    if (auto ok = check_flags(options, compact); !ok) return ok;
+    if (!compact)
+        if (auto ok = check_description(options.output); !ok) return ok;
+    facts = {{"input", options.input.string()}};
+    Grid<float> map;
+    const Result<Fog> fog = fog_of_input(options, map, facts);
+    if (!fog) return tl::unexpected(fog.error());
+    facts.update(fog_facts(*fog));
+    return compact ? write_wfog(options, *fog, map, facts) : write_exr(options, *fog, facts);
+}
+
+bool names_directory(const fs::path& output) {
+    std::error_code code;
+    const std::string extension = extension_of(output);
+    return fs::is_directory(output, code) && extension != ".exr" && extension != ".wfog";
+}
+
+/// Where a file of several goes; two must not go to one place.
+Result<std::vector<ConvertOptions>> plan_files(const ConvertOptions& options) {
+    std::vector<ConvertOptions> plan;
+    std::map<fs::path, fs::path> taken;
+    for (const fs::path& input : options.inputs) {
+        ConvertOptions one = options;
+        one.input = input;
+        one.output = options.output / input.stem();
+        one.output += options.promises > 0 || options.compact.best ? ".wfog" : ".exr";
+        one.compact.threads = 1;
+        if (const auto [at, added] = taken.emplace(one.output, input); !added)
+            return usage_error(
+                fmt::format("{}: both {} and {} would become this file; convert "
+                            "them into two directories",
+                            one.output.string(), at->second.string(), input.string()));
+        plan.push_back(std::move(one));
+    }
+    return plan;
+}
+
+Result<void> convert_files(const ConvertOptions& options) {
+    const auto plan = plan_files(options);
+    if (!plan) return tl::unexpected(plan.error());
+    std::vector<Facts> facts(plan->size());
+    std::vector<std::string> errors(plan->size());
+    parallel_chunks("converting", plan->size(), 1, [&](std::size_t i, std::size_t) {
+        const auto done = convert_file((*plan)[i], facts[i]);
+        if (!done) errors[i] = done.error().message;
+    });
+    std::size_t failed = 0;
+    Facts files = Facts::array();
+    std::uintmax_t bytes = 0;
+    for (std::size_t i = 0; i < plan->size(); ++i) {
+        if (errors[i].empty()) {
+            bytes += facts[i].at("bytes").get<std::uintmax_t>();
+            files.push_back(options.json ? facts[i]
+                                         : Facts{{"wrote", (*plan)[i].output.string()},
+                                                 {"bytes", facts[i].at("bytes")}});
+            continue;
+        }
+        ++failed;
+        fmt::print(stderr, "wavefog: error: {}\n", errors[i]);
+    }
+    print_facts({{"converted", plan->size() - failed},
+                 {"failed", failed},
+                 {"bytes", bytes},
+                 {"files", files}},
+                options.json);
+    if (failed > 0)
+        return data_error(fmt::format("{}: {} of {} files failed, the others are done; see above",
+                                      options.output.string(), failed, plan->size()));
+    return {};
+}
+
+Result<void> convert(const ConvertOptions& options) {
+    if (names_directory(options.output)) return convert_files(options);
+    if (options.inputs.size() > 1)
+        return usage_error(fmt::format(
+            "{}: {} and other files need a directory that exists as the output; create it first",
+            options.output.string(), options.inputs[1].string()));
+    ConvertOptions one = options;
+    one.input = options.inputs.front();
+    Facts facts;
+    if (auto done = convert_file(one, facts); !done) return done;
     print_facts(facts, options.json);
     return {};
+}
+
+/// The flags of .wfog files.
+void add_promises(CLI::App& app, ConvertOptions& options) {
+    using Promise = WfogOptions::Promise;
+    const auto promise = [&options](Promise which) {
+        options.compact.promise = which;
+        ++options.promises;
+    };
+    const auto positive = [](const std::string& text) { return parse_fraction(text); };
+    app.add_flag_callback(
+        "--lossless", [promise] { promise(Promise::lossless); },
+        ".wfog: every coefficient comes back bit for bit (so if nothing else is said)");
+    add_parsed(
+        app, "--max-error", options.compact.error,
+        [promise, positive](const std::string& text) {
+            promise(Promise::max_error);
+            return positive(text);
+        },
+        "E", ".wfog: no pixel is off by more than E of the full scale, such as 1/255");
+    add_parsed(
+        app, "--max-transmittance-error", options.compact.error,
+        [promise, positive](const std::string& text) {
+            promise(Promise::max_transmittance_error);
+            return positive(text);
+        },
+        "E", ".wfog: no ray's transmittance is off by more than E (with --path)");
+    add_parsed(app, "--path", options.compact.path, positive, "L",
+               "The longest ray of --max-transmittance-error, metres");
+    add_parsed(
+        app, "--bytes", options.compact.bytes,
+        [promise](const std::string& text) {
+            promise(Promise::bytes);
+            return parse_integer_in(text, 1, std::numeric_limits<int>::max()).map([](int n) {
+                return static_cast<std::size_t>(n);
+            });
+        },
+        "N", ".wfog: the least error that fits into N bytes");
+    app.add_flag("--best", options.compact.best,
+                 ".wfog: the smallest file; ten times slower to write and read");
 }
 
 }  // namespace
@@ -158,10 +342,13 @@ Result<void> convert(const ConvertOptions& options) {
 Command add_convert(CLI::App& root) {
     auto options = std::make_shared<ConvertOptions>();
     CLI::App* app = root.add_subcommand("convert", "Turn a greyscale picture into a fog file");
-    app->add_option("IN", options->input, "Any picture, or a fog file to change")->required();
-    app->add_option("-o,--output", options->output, "The fog file to write: OUT.exr")
+    app->add_option("IN", options->inputs,
+                    "Any pictures, or fog files to change; several go into a directory")
+        ->required();
+    app->add_option("-o,--output", options->output,
+                    "The fog file to write, or a directory for several files")
         ->required()
-        ->type_name("OUT.exr");
+        ->type_name("OUT.exr|OUT.wfog|DIR");
     add_parsed(*app, "--basis", options->degree, parse_basis, "haar|linear|quadratic",
                "How the fog varies between pixels: steps, ramps or curves (linear)");
     app->add_option("--family", options->family,
@@ -205,6 +392,7 @@ Command add_convert(CLI::App& root) {
     add_choice(
         *app, "--path-layout", options->path_layout, {"mean", "perimeter"},
         "What the tables hold: mean density by pair of edges, or the integral itself (mean)");
+    add_promises(*app, *options);
     app->add_flag("--json", options->json, "Print what was written as JSON");
     app->footer(
         "The picture's pixels become the coefficients of a B-spline surface of fog density, which\n"
@@ -212,9 +400,18 @@ Command add_convert(CLI::App& root) {
         "far away, and read from the textures in OUT.exr what it needs. Black is clear air, white\n"
         "has the full extinction. Beside OUT.exr, OUT.json describes the layout for engines.\n"
         "\n"
+        "\n"
+        "OUT.wfog is small instead: it holds the map to a promised error, coarse levels first, "
+        "and\n"
+        "every command reads it. Several files go into a directory, as .wfog if a flag of .wfog "
+        "is\n"
+        "given, else as .exr; one that fails does not keep the others back.\n"
+        "\n"
         "Example: banks of fog over 400 x 400 m that thin out with every 8 m of height\n"
         "  wavefog convert banks.png -o banks.exr --rect -200,-200,200,200 \\\n"
-        "                  --extinction 0.05 --profile exponential:0,8");
+        "                  --extinction 0.05 --profile exponential:0,8\n"
+        "Example: all maps of a folder, no pixel off by more than one step of 255\n"
+        "  wavefog convert maps/*.png -o packed --max-error 1/255 --best");
     return {app, [options] { return convert(*options); }};
 }
 

@@ -36,8 +36,10 @@ Result<void> decode(const DecodeOptions& options) {
     if (auto ok = check_output(options.output, {options.input}, {".exr", ".tif", ".tiff", ".png"});
         !ok)
         return ok;
-    const Result<Fog> fog = load_fog(options.input);
+    LoadNotes notes;
+    const Result<Fog> fog = load_fog(options.input, &notes);
     if (!fog) return tl::unexpected(fog.error());
+    if (!notes.warning.empty()) warn(notes.warning);
     const Decomposition<float>& d = fog->decomposition;
     const int level = options.level.value_or(d.levels());
     if (level > d.levels())
@@ -47,7 +49,7 @@ Result<void> decode(const DecodeOptions& options) {
                         level, options.input.string(), d.levels()));
     Band<float> band;
     if (level == d.levels())
-        band.values = reconstruct(d);
+        band.values = notes.map.size() > 0 ? std::move(notes.map) : reconstruct(d);
     else
         band = approximations(d).levels[static_cast<std::size_t>(level)];
 

@@ -76,8 +76,10 @@ Facts level_rows(const Decomposition<float>& d) {
 }
 
 Result<Facts> describe_fog(const fs::path& file) {
-    const Result<Fog> fog = load_fog(file);
+    LoadNotes notes;
+    const Result<Fog> fog = load_fog(file, &notes);
     if (!fog) return tl::unexpected(fog.error());
+    if (!notes.warning.empty()) warn(notes.warning);
     std::uintmax_t bytes = 0;
     for (const fs::path& part : fog_files(file)) bytes += file_bytes(part);
     Facts facts = {{"file", file.string()}, {"kind", "fog"}, {"bytes", bytes}};

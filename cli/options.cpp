@@ -47,6 +47,17 @@ Result<double> parse_number_in(std::string_view text, double low, double high) {
     return value;
 }
 
+Result<double> parse_fraction(std::string_view text) {
+    const std::size_t slash = text.find('/');
+    const auto above = parse_number(text.substr(0, slash));
+    const auto below =
+        slash == text.npos ? Result<double>(1.0) : parse_number(text.substr(slash + 1));
+    if (!above || !below || !(*above > 0) || !(*below > 0) || !std::isfinite(*above / *below) ||
+        *above / *below <= 0)
+        return usage_error(fmt::format("'{}' is no number above 0, such as 0.004 or 1/255", text));
+    return *above / *below;
+}
+
 Result<int> parse_integer_in(std::string_view text, int low, int high) {
     int value = 0;
     if (!parse_whole(text, value) || value < low || value > high)

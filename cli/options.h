@@ -20,6 +20,9 @@ Result<double> parse_number(std::string_view text);
 /// A number within [low, high].
 Result<double> parse_number_in(std::string_view text, double low, double high);
 
+/// A number above 0, or two with a slash between them: "0.004", "1/255".
+Result<double> parse_fraction(std::string_view text);
+
 /// A whole number within [low, high].
 Result<int> parse_integer_in(std::string_view text, int low, int high);
 

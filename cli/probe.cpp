@@ -14,6 +14,7 @@
 #include "options.h"
 #include "parallel.h"
 #include "rays.h"
+#include "report.h"
 #include "wavefog/fogmap/reference.h"
 #include "wavefog/fogmap/scene.h"
 #include "wavefog/gpu/fog_pass.h"
@@ -67,8 +68,10 @@ Result<void> probe(const ProbeOptions& options) {
             return ok;
     Method method = options.method;
     method.mu = options.mu.value_or(method.mu);
-    const Result<std::vector<Fog>> fogs = load_fogs(options.input);
+    LoadNotes notes;
+    const Result<std::vector<Fog>> fogs = load_fogs(options.input, &notes);
     if (!fogs) return tl::unexpected(fogs.error());
+    if (!notes.warning.empty()) warn(notes.warning);
     const Result<RayTable> table = rays_of(options.rays);
     if (!table) return tl::unexpected(table.error());
 

@@ -54,8 +54,10 @@ Result<void> replace_fogs(const std::vector<fs::path>& files, Scene& scene) {
     if (!files.empty()) scene.fogs.clear();
     for (const fs::path& file : files) {
         if (auto ok = check_input(file); !ok) return ok;
-        Result<std::vector<Fog>> fogs = load_fogs(file);
+        LoadNotes notes;
+        Result<std::vector<Fog>> fogs = load_fogs(file, &notes);
         if (!fogs) return tl::unexpected(fogs.error());
+        if (!notes.warning.empty()) warn(notes.warning);
         std::move(fogs->begin(), fogs->end(), std::back_inserter(scene.fogs));
     }
     return {};

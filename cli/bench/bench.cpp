@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "bench/charts.h"
+#include "bench/compression.h"
 #include "bench/measure.h"
 #include "bench/output.h"
 #include "bench/plan.h"
@@ -41,7 +42,8 @@ Result<void> check_usage(const BenchOptions& options) {
         return usage_error(
             "bench: preset stability studies maps and sizes of its own; leave out scenes, "
             "--methods, --mu, --levels, --size, --frames and --budget");
-    const bool needs_scene = !stored && options.plan.preset != Preset::stability;
+    const bool needs_scene = !stored && options.plan.preset != Preset::stability &&
+                             options.plan.preset != Preset::compression;
     if (needs_scene && options.scenes.empty())
         return usage_error("bench: name a scene file, e.g. data/scenes/bench64.json");
     return {};
@@ -57,7 +59,22 @@ void tell_omissions(const Results& results) {
     tell(results.skipped, "could not be measured");
 }
 
+Result<Results> measure_compression(const BenchOptions& options) {
+    for (const fs::path& file : options.scenes)
+        if (auto ok = check_input(file); !ok) return tl::unexpected(ok.error());
+    Results results;
+    if (auto ok = study_compression(options.scenes, results); !ok)
+        return tl::unexpected(ok.error());
+    const Result<std::unique_ptr<Context>> context = create_context(options.context);
+    if (!context) return tl::unexpected(context.error());
+    results.provenance =
+        provenance(**context, preset_names[std::size_t(options.plan.preset)], options.scenes);
+    results.provenance["clock"] = "wall time, of programs with their start and their files";
+    return results;
+}
+
 Result<Results> measure(const BenchOptions& options) {
+    if (options.plan.preset == Preset::compression) return measure_compression(options);
     std::vector<BenchScene> scenes;
     std::vector<fs::path> files;
     for (const fs::path& file : options.scenes) {
@@ -119,7 +136,8 @@ Command add_bench(CLI::App& root) {
     auto options = std::make_shared<BenchOptions>();
     CLI::App* app =
         root.add_subcommand("bench", "Measure methods against each other: time, error, memory");
-    app->add_option("SCENE", options->scenes, "Scene files (.json)");
+    app->add_option("SCENE", options->scenes,
+                    "Scene files (.json); of --preset compression pictures");
     app->add_option(
            "-o,--output", options->output,
            "Folder for results.json, results.csv and charts (.svg, .png); none: print only")
@@ -169,7 +187,7 @@ Command add_bench(CLI::App& root) {
         "scale\n"
         "(the first map of each scene at 64x64 to 4096x4096, mirrored where it is smaller, from "
         "five\n"
-        "cameras).\n"
+        "cameras), compression (.wfog files beside image codecs that are installed, on pictures).\n"
         "Charts need gnuplot.\n"
         "\n"
         "Example:\n"

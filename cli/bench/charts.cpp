@@ -6,6 +6,8 @@
 #include <cmath>
 #include <map>
 
+#include "bench/compression.h"
+
 namespace wavefog::cli {
 namespace {
 
@@ -138,6 +140,7 @@ Figure speed_figure(const std::vector<Row>& rows) {
 }  // namespace
 
 std::vector<Figure> figures_of(const Results& results) {
+    if (results.preset() == "compression") return compression_figures(results.compression);
     std::vector<Figure> figures = results.figures;
     for (const std::vector<Row>& rows : groups_of(results.rows)) {
         const bool measured = std::any_of(rows.begin(), rows.end(),

@@ -25,7 +25,7 @@ struct Look {
     int dash;
 };
 
-// One look for a method and for a family in all charts. Unstable families are dashed and warm.
+// One look for a method, a codec and a family in all charts. Unstable families are dashed and warm.
 constexpr Look kLooks[] = {{"exact", "#0072B2", 7, 1},
                            {"radial", "#56B4E9", 15, 1},
                            {"paper", "#D55E00", 5, 1},
@@ -36,6 +36,14 @@ constexpr Look kLooks[] = {{"exact", "#0072B2", 7, 1},
                            {"froxel", "#CC79A7", 11, 1},
                            {"homogeneous", "#000000", 2, 1},
                            {"reference", "#56B4E9", 3, 1},
+                           {"wavefog", "#0072B2", 7, 1},
+                           {"wavefog --best", "#D55E00", 5, 1},
+                           {"JPEG XL e9", "#009E73", 9, 1},
+                           {"JPEG XL e7", "#56B4E9", 11, 1},
+                           {"JPEG-LS", "#CC79A7", 13, 1},
+                           {"JPEG 2000 5/3", "#E69F00", 15, 1},
+                           {"PNG", "#000000", 4, 1},
+                           {"zstd -19", "#595959", 6, 1},
                            {"1,1", "#000000", 7, 1},
                            {"2,2", "#0072B2", 5, 1},
                            {"3,3", "#009E73", 9, 1},

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "bench/compression.h"
 #include "bench/paper_tables.h"
 #include "bench/scale.h"
 #include "bench/table_text.h"
@@ -37,6 +38,8 @@ std::string report_text(const Results& results, bool markdown) {
     std::string text;
     if (results.preset() == "paper-tables")
         text = paper_tables_text(results.rows, markdown);
+    else if (results.preset() == "compression")
+        text = compression_text(results.compression, markdown);
     else if (results.preset() == "scale")
         text = scale_table_text(results.rows, markdown);
     else if (!results.rows.empty())

@@ -69,9 +69,10 @@ void for_each_column(RowType& row, F&& f) {
 struct Results {
     Facts provenance = Facts::object();
     std::vector<Row> rows;
-    std::vector<Figure> figures;       ///< of --preset stability
-    std::vector<std::string> cut;      ///< what the time budget left out
-    std::vector<std::string> skipped;  ///< what could not be measured, and why
+    std::vector<Figure> figures;         ///< of --preset stability
+    Facts compression = Facts::array();  ///< runs of codecs, of --preset compression
+    std::vector<std::string> cut;        ///< what the time budget left out
+    std::vector<std::string> skipped;    ///< what could not be measured, and why
 
     std::string preset() const { return provenance.value("preset", std::string()); }
 };

@@ -9,6 +9,8 @@
 #include <fstream>
 #include <string>
 
+#include "crc32.h"
+
 namespace wavefog::detail {
 
 namespace fs = std::filesystem;
@@ -64,21 +66,6 @@ struct Check {
 };
 
 // --- PNG: chunks of length, type, data, CRC-32 (PNG specification 5.3 and annex D).
-
-constexpr auto kCrcTable = [] {
-    std::array<std::uint32_t, 256> table{};
-    for (std::uint32_t n = 0; n < 256; ++n) {
-        std::uint32_t c = n;
-        for (int k = 0; k < 8; ++k) c = (c & 1) ? 0xedb88320u ^ (c >> 1) : c >> 1;
-        table[n] = c;
-    }
-    return table;
-}();
-
-std::uint32_t update_crc(std::uint32_t crc, const unsigned char* data, std::size_t count) {
-    for (std::size_t i = 0; i < count; ++i) crc = kCrcTable[(crc ^ data[i]) & 0xff] ^ (crc >> 8);
-    return crc;
-}
 
 std::uint32_t big_endian(const unsigned char* b) {
     return (std::uint32_t(b[0]) << 24) | (std::uint32_t(b[1]) << 16) | (std::uint32_t(b[2]) << 8) |

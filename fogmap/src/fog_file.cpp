@@ -10,6 +10,7 @@
 #include "exr_io.h"
 #include "file_io.h"
 #include "fog_meta.h"
+#include "wavefog/fogmap/wfog.h"
 #include "wavefog/wavelet/quantise.h"
 
 namespace wavefog {
@@ -38,11 +39,10 @@ FileFormat format_of(const fs::path& file) {
 }
 
 tl::unexpected<Error> no_such_format(const fs::path& file) {
-    if (format_of(file) == FileFormat::wfog)
-        return usage_error(fmt::format(
-            "{}: this version does not read or write .wfog files yet; use .exr", file.string()));
-    return usage_error(fmt::format(
-        "{}: a fog file ends in .exr (or .json, its description); use .exr", file.string()));
+    return usage_error(
+        fmt::format("{}: a fog file ends in .exr (or .json, its description) or .wfog; use one of "
+                    "these",
+                    file.string()));
 }
 
 template <class Function>
@@ -314,6 +314,43 @@ Result<Fog> load_exr(const fs::path& file) {
     return load_described(file, description, std::move(files));
 }
 
+// --- Compact files
+
+Result<void> write_wfog(const fs::path& file, std::span<const std::uint8_t> bytes) {
+    if (const auto ok = detail::check_writable_place(file); !ok) return ok;
+    PendingFile pending(file);
+    const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (const auto ok = detail::write_text_file(pending.path(), text); !ok) return ok;
+    return pending.commit();
+}
+
+Result<void> save_lossless(const fs::path& file, const Fog& fog) {
+    WfogOptions options;
+    options.best = true;
+    const auto encoded = encode_wfog(fog, options);
+    if (!encoded) return data_error(fmt::format("{}: {}", file.string(), encoded.error().message));
+    return write_wfog(file, encoded->bytes);
+}
+
+Result<Fog> load_wfog(const fs::path& file, LoadNotes* notes) {
+    constexpr std::uintmax_t most = std::uintmax_t{4} << 30;
+    const auto bytes = detail::read_text_file(file, most);
+    if (!bytes) return tl::unexpected(bytes.error());
+    WfogLimits limits;
+    limits.partial = notes != nullptr;
+    auto decoded =
+        decode_wfog({reinterpret_cast<const std::uint8_t*>(bytes->data()), bytes->size()}, limits);
+    if (!decoded) return data_error(fmt::format("{}: {}", file.string(), decoded.error().message));
+    if (notes) {
+        if (decoded->levels < decoded->of_levels)
+            notes->warning =
+                fmt::format("{}: ends early; it is shown with the {} coarsest of {} levels",
+                            file.string(), decoded->levels, decoded->of_levels);
+        notes->map = std::move(decoded->map);
+    }
+    return std::move(decoded->fog);
+}
+
 template <class Function>
 auto guarded(const fs::path& file, Function function) -> decltype(function()) {
     try {
@@ -331,17 +368,24 @@ auto guarded(const fs::path& file, Function function) -> decltype(function()) {
 }  // namespace
 
 Result<void> save_fog(const fs::path& file, const Fog& fog, const SaveOptions& options) {
-    if (format_of(file) != FileFormat::exr) return no_such_format(file);
+    const FileFormat format = format_of(file);
+    if (format == FileFormat::wfog) return guarded(file, [&] { return save_lossless(file, fog); });
+    if (format != FileFormat::exr) return no_such_format(file);
     return guarded(file, [&] { return save_exr(file, fog, options); });
 }
 
-Result<Fog> load_fog(const fs::path& file) {
+Result<void> save_wfog(const fs::path& file, std::span<const std::uint8_t> bytes) {
+    return guarded(file, [&] { return write_wfog(file, bytes); });
+}
+
+Result<Fog> load_fog(const fs::path& file, LoadNotes* notes) {
     switch (format_of(file)) {
         case FileFormat::exr:
             return guarded(file, [&] { return load_exr(file); });
         case FileFormat::description:
             return guarded(file, [&] { return load_description(file); });
         case FileFormat::wfog:
+            return guarded(file, [&] { return load_wfog(file, notes); });
         case FileFormat::unknown:
             break;
     }

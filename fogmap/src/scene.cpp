@@ -239,10 +239,10 @@ Result<Scene> load_scene(const fs::path& file) {
     }
 }
 
-Result<std::vector<Fog>> load_fogs(const fs::path& file) {
+Result<std::vector<Fog>> load_fogs(const fs::path& file, LoadNotes* notes) {
     if (const auto ok = detail::check_is_file(file); !ok) return tl::unexpected(ok.error());
     if (is_fog_file(file)) {
-        auto fog = load_fog(file);
+        auto fog = load_fog(file, notes);
         if (!fog) return tl::unexpected(fog.error());
         return std::vector<Fog>{std::move(*fog)};
     }

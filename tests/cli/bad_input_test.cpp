@@ -92,7 +92,7 @@ TEST_CASE("bad inputs of convert") {
         {{"convert", "fog.exr", "-o", "fog.exr"}, 2, {"fog.exr: output and input are the same"}},
         {{"convert", "fog.exr", "-o", "./directory/../fog.exr"}, 2, {"the same file"}},
         {{"convert", "map.png", "-o", "scene.exr"}, 1, {"scene.json: this file describes no fog"}},
-        {{"convert", "map.png", "-o", "x.wfog"}, 2, {"cannot write .wfog files yet"}},
+        {{"convert", "map.png", "-o", "x.wfog", "--layout", "atlas"}, 2, {"about .exr"}},
         {{"convert", "map.png", "-o", "x.jpg"}, 2, {"cannot write '.jpg'", "use .exr"}},
         {{"convert", "map.png", "-o", "x"}, 2, {"cannot write ''"}},
         {{"convert", "map.png"}, 2, {"--output", "convert --help"}},

@@ -222,7 +222,7 @@ TEST_CASE("every mistake in a scene names the file, the key and what to do") {
         {"/fog/0/sanitize", 1, "fog[0].sanitize: is 1; it must be true or false"},
         {"/fog/1/basis", "haar", "fog[1].basis: is fixed by the fog file"},
         {"/fog/1/file", "none.exr", "fog[1].file: "},
-        {"/fog/1/file", "banks.wfog", "does not read or write .wfog files yet"},
+        {"/fog/1/file", "banks.wfog", "no such file"},
         {"/fog/1/file", "banks.tif", "ends in .exr"},
         {"/method/name", "raymarch",
          "method.name: method \"raymarch\" does not exist; choose one of: reference"},
@@ -290,7 +290,7 @@ TEST_CASE("fogs come from scenes, fog files and images") {
     write_bytes(stage.dir() / "x.wfog", "");
     for (const auto& [name, message] : {std::pair{"none.png", "no such file"},
                                         {"bad.tif", "--sanitize"},
-                                        {"x.wfog", ".wfog files yet"},
+                                        {"x.wfog", "is no .wfog file"},
                                         {"house.glb", "cannot be read as an image"}}) {
         const auto result = load_fogs(stage.dir() / name);
         REQUIRE_FALSE(result.has_value());

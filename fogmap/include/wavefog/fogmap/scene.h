@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "wavefog/fogmap/fog.h"
+#include "wavefog/fogmap/fog_file.h"
 #include "wavefog/fogmap/image.h"
 #include "wavefog/wavelet/path_table.h"
 
@@ -97,7 +98,7 @@ struct Scene {
 Result<Scene> load_scene(const std::filesystem::path& file);
 
 /// The fogs of a file that may be a scene, a fog file or an image (taken with make_fog's defaults
-/// and an extinction of 1/m).
-Result<std::vector<Fog>> load_fogs(const std::filesystem::path& file);
+/// and an extinction of 1/m). `notes` as for load_fog().
+Result<std::vector<Fog>> load_fogs(const std::filesystem::path& file, LoadNotes* notes = nullptr);
 
 }  // namespace wavefog

@@ -1,0 +1,49 @@
+// Densities as integers, without loss where they allow it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "wavefog/wavelet/grid.h"
+
+namespace wavefog::wfog {
+
+/// How an integer k of the file becomes a density, the same float on every machine.
+struct Scale {
+    enum class Kind : std::uint8_t {
+        ratio,       ///< float(double(k) / divisor)
+        step,        ///< float(double(k) * step)
+        float_bits,  ///< the float whose bits are k << shift, or minus that of -k-1 below 0
+        table,       ///< values[k]
+    };
+    Kind kind = Kind::ratio;
+    std::uint32_t divisor = 255;
+    double step = 1;
+    unsigned shift = 0;
+    std::vector<float> values = {};  ///< rising, at most kMaxTable
+
+    float density(std::int32_t k) const;
+    /// The nearest integer; nothing if the density is too large for 30 bits, or not in the table.
+    std::optional<std::int32_t> integer(float density) const;
+    bool operator==(const Scale&) const = default;
+};
+
+inline constexpr std::size_t kMaxTable = 1 << 16;
+
+/// A scale for any floats, bit for bit: a table if they are few, else their bits without those that
+/// are 0 in all.
+Scale exact_scale(const Grid<float>& map);
+
+/// The scale of which every density is a value up to `slack` times the largest one: a ratio of 255,
+/// 65535, a power of ten or of two, or a divisor of one. A map that a transform has been through
+/// has lost its last bits.
+std::optional<Scale> ratio_of(const Grid<float>& map, double slack);
+
+/// What "full scale" means for a promise: 1 for maps in steps of 1/255, the range for those in
+/// steps of 1/65535, else the range up to the 99.9th percentile, so that a few hot pixels do not
+/// loosen the promise for the rest.
+double full_scale(const Grid<float>& map, const std::optional<Scale>& ratio);
+
+}  // namespace wavefog::wfog

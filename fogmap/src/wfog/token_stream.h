@@ -1,0 +1,60 @@
+// Tokens of 16 kinds in contexts, by range asymmetric numeral systems (J. Duda, 2009) with tables
+// that the stream describes, and plain bits beside them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "bytes.h"
+
+namespace wavefog::wfog {
+
+inline constexpr std::size_t kTokens = 16;         ///< magnitudes 0..14, and "larger"
+inline constexpr std::size_t kTokenContexts = 20;  ///< classes of activity
+
+/// What a stream says of one context. A magnitude m has the token min(m >> shift, 15).
+struct TokenModel {
+    bool used = false;
+    std::uint8_t shift = 0;
+    /// Logit of the probability that the token is i, given that it is at least i; the last for all
+    /// larger ones. 16 to 256 steps of MixerTables::squash apart.
+    std::array<std::uint8_t, 4> stops{};
+};
+
+/// Signed integers, each in a context.
+struct Symbols {
+    std::vector<std::int32_t> values;
+    std::vector<std::uint8_t> contexts;  ///< below kTokenContexts
+};
+
+Bytes write_symbols(const Symbols& symbols);
+
+/// Reads symbols back in any number of calls.
+class SymbolReader {
+  public:
+    SymbolReader(View stream, std::size_t count);
+    bool failed() const { return failed_; }
+    /// The next `count` symbols.
+    void read(const std::uint8_t* contexts, std::size_t count, std::int32_t* values);
+
+  private:
+    static constexpr std::size_t kStates = 4;
+    struct Table {
+        std::array<std::uint16_t, kTokens> frequency, start;
+        std::vector<std::uint8_t> token;  ///< of each of 4096 slots
+        unsigned shift = 0;
+    };
+    std::uint32_t bits(unsigned count);
+
+    std::array<Table, kTokenContexts> tables_;
+    std::array<std::uint32_t, kStates> states_{};
+    View words_, bits_;
+    std::size_t word_ = 0, bit_byte_ = 0;
+    std::uint64_t buffer_ = 0;
+    unsigned buffered_ = 0;
+    std::size_t turn_ = 0, state_count_ = kStates;
+    bool failed_ = false;
+};
+
+}  // namespace wavefog::wfog

@@ -1,0 +1,158 @@
+// .wfog files through the command: there, back, promises, and many at a time.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "run.h"
+
+namespace wavefog::test {
+namespace {
+
+using nlohmann::json;
+
+json json_of(const RunResult& result) {
+    INFO(result.err);
+    REQUIRE(result.status == 0);
+    return json::parse(result.out);
+}
+
+bool contains(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("convert goes between .exr and .wfog without loss") {
+    const Workspace work;
+    work.write_ramp_png("map.png", 70, 45);
+    const std::vector<std::string> place = {"--rect", "-20,-20,20,30", "--extinction",
+                                            "0.07",   "--profile",     "exponential:0,8"};
+    const auto convert = [&](std::vector<std::string> arguments, bool placed) {
+        arguments.insert(arguments.begin(), "convert");
+        if (placed) arguments.insert(arguments.end(), place.begin(), place.end());
+        arguments.emplace_back("--json");
+        return json_of(work.run(arguments));
+    };
+    const json direct = convert({"map.png", "-o", "map.wfog"}, true);
+    CHECK(direct["max_error"] == 0);
+    CHECK(direct["worst_dT"] == 0);
+    convert({"map.png", "-o", "map.exr"}, true);
+    convert({"map.wfog", "-o", "from_wfog.exr"}, false);
+    convert({"map.exr", "-o", "from_exr.wfog"}, false);
+    CHECK(work.read_text("from_exr.wfog") == work.read_text("map.wfog"));
+    CHECK(largest_difference(read_with_tinyexr(work.path("map.exr")),
+                             read_with_tinyexr(work.path("from_wfog.exr"))) == 0);
+
+    REQUIRE(work.run({"decode", "map.wfog", "-o", "back.tif"}).status == 0);
+    const Picture back = read_picture(work.path("back.tif"));
+    for (int y = 0; y < 45; ++y)
+        for (int x = 0; x < 70; ++x)
+            CHECK(back.at(x, y) == float(double((7 * x + 13 * y) % 256) / 255));
+    const json info = json_of(work.run({"info", "map.wfog", "--json"}));
+    CHECK(info["extinction"] == 0.07);
+    CHECK(info["profile"] == "exponential:0,8");
+    CHECK(info["bytes"] == work.read_text("map.wfog").size());
+}
+
+TEST_CASE("convert keeps what it promises of a .wfog file and says what it achieved") {
+    const Workspace work;
+    work.write_ramp_png("map.png", 90, 61);
+    const auto convert = [&](std::vector<std::string> arguments) {
+        arguments.insert(arguments.begin(), {"convert", "map.png", "-o", "out.wfog", "--json"});
+        return json_of(work.run(arguments));
+    };
+    for (const bool best : {false, true}) {
+        std::vector<std::string> arguments = {"--max-error", "2/255"};
+        if (best) arguments.emplace_back("--best");
+        const json facts = convert(arguments);
+        CHECK(facts["bytes"] == work.read_text("out.wfog").size());
+        CHECK(facts["bits_per_pixel"] == doctest::Approx(8.0 * double(facts["bytes"]) / 90 / 61));
+        CHECK(facts["max_error"].get<double>() > 0);
+        REQUIRE(work.run({"decode", "out.wfog", "-o", "back.tif"}).status == 0);
+        const Picture back = read_picture(work.path("back.tif"));
+        double worst = 0;
+        for (int y = 0; y < 61; ++y)
+            for (int x = 0; x < 90; ++x)
+                worst = std::max(worst, std::fabs(back.at(x, y) - (7 * x + 13 * y) % 256 / 255.0));
+        CHECK(worst <= 2 / 255.0 + 1e-7);
+        CHECK(worst == doctest::Approx(facts["max_error"].get<double>()).epsilon(1e-6));
+    }
+    CHECK(convert({"--bytes", "1500"})["bytes"] <= 1500);
+    const json rays = convert({"--max-transmittance-error", "0.01", "--path", "60"});
+    CHECK(rays["worst_dT"].get<double>() <= 0.01);
+}
+
+TEST_CASE("a truncated .wfog file is shown as far as it goes") {
+    const Workspace work;
+    work.write_ramp_png("map.png", 200, 160);
+    REQUIRE(work.run({"convert", "map.png", "-o", "whole.wfog"}).status == 0);
+    const std::string whole = work.read_text("whole.wfog");
+    work.write_text("part.wfog", whole.substr(0, whole.size() / 2));
+    work.write_text("stub.wfog", whole.substr(0, 20));
+    const RunResult part = work.run({"info", "part.wfog", "--json"});
+    CHECK(part.status == 0);
+    CHECK(contains(part.err, "part.wfog: ends early; it is shown with the"));
+    work.write_text("rays.csv", "0,0,0,100,0,80\n");
+    const RunResult probed = work.run({"probe", "part.wfog", "--rays", "rays.csv", "-o", "-"});
+    CHECK(probed.status == 0);
+    CHECK(contains(probed.err, "ends early"));
+    const RunResult stub = work.run({"info", "stub.wfog"});
+    CHECK(stub.status == 1);
+    CHECK(contains(stub.err, "stub.wfog: is truncated"));
+}
+
+TEST_CASE("convert of many files goes on past a bad one") {
+    const Workspace work;
+    work.write_ramp_png("a.png", 30, 20);
+    work.write_ramp_png("b.png", 20, 30);
+    work.write_text("bad.png", "no picture");
+    REQUIRE(work.shell("mkdir out sub && cp a.png sub/a.png").status == 0);
+    const RunResult some = work.run(
+        {"convert", "a.png", "bad.png", "b.png", "-o", "out", "--max-error", "1/255", "--json"});
+    CHECK(some.status == 1);
+    CHECK(contains(some.err, "wavefog: error: bad.png: "));
+    CHECK(contains(some.err, "out: 1 of 3 files failed"));
+    const json facts = json::parse(some.out);
+    CHECK(facts["converted"] == 2);
+    CHECK(facts["failed"] == 1);
+    CHECK(work.run({"info", "out/a.wfog"}).status == 0);
+    CHECK(work.run({"info", "out/b.wfog"}).status == 0);
+
+    CHECK(work.run({"convert", "a.png", "b.png", "-o", "out"}).status == 0);
+    CHECK(work.run({"info", "out/b.exr"}).status == 0);
+    const RunResult twice = work.run({"convert", "a.png", "sub/a.png", "-o", "out"});
+    CHECK(twice.status == 2);
+    CHECK(contains(twice.err, "both a.png and sub/a.png"));
+}
+
+TEST_CASE("flags that contradict each other or the output are mistakes") {
+    const Workspace work;
+    work.write_ramp_png("map.png", 8, 8);
+    const std::pair<std::vector<std::string>, const char*> cases[] = {
+        {{"x.wfog", "--lossless", "--max-error", "1/255"}, "give one of them"},
+        {{"x.wfog", "--max-transmittance-error", "0.01"}, "go together"},
+        {{"x.wfog", "--path", "10"}, "go together"},
+        {{"x.wfog", "--max-error", "0"}, "no number above 0"},
+        {{"x.wfog", "--max-error", "1/0"}, "no number above 0"},
+        {{"x.wfog", "--bytes", "-3"}, "--bytes"},
+        {{"x.wfog", "--precision", "half"}, "about .exr"},
+        {{"x.exr", "--best"}, "about .wfog"},
+        {{"x.exr", "--max-error", "0.1"}, "about .wfog"}};
+    for (const auto& [arguments, message] : cases) {
+        std::vector<std::string> line = {"convert", "map.png", "-o"};
+        line.insert(line.end(), arguments.begin(), arguments.end());
+        const RunResult result = work.run(line);
+        INFO(result.err);
+        CHECK(result.status == 2);
+        CHECK(contains(result.err, message));
+    }
+    const RunResult small = work.run({"convert", "map.png", "-o", "x.wfog", "--bytes", "5"});
+    CHECK(small.status == 1);
+    CHECK(contains(small.err, "cannot be as small as 5 bytes"));
+    CHECK(work.files() == std::set<std::string>{"map.png"});
+}
+
+}  // namespace wavefog::test

@@ -1,0 +1,67 @@
+// Files of earlier versions decode to the same values for ever.
+#include <doctest/doctest.h>
+
+#include <bit>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "wavefog/fogmap/wfog.h"
+#include "wfog_bytes.h"
+
+namespace wavefog {
+namespace {
+
+/// Of the floats' bytes, low byte first, row by row.
+std::uint32_t checksum(const Grid<float>& map) {
+    std::vector<std::uint8_t> bytes;
+    for (Eigen::Index i = 0; i < map.size(); ++i) {
+        const auto bits = std::bit_cast<std::uint32_t>(map.data()[i]);
+        for (int k = 0; k < 32; k += 8) bytes.push_back(std::uint8_t(bits >> k));
+    }
+    return test::crc32(bytes.data(), bytes.size());
+}
+
+struct Frozen {
+    const char* name;
+    int width, height;
+    std::uint32_t whole, half;  ///< checksums with all levels and with half of them
+};
+
+}  // namespace
+
+TEST_CASE("wfog: frozen files decode to the same values") {
+    const Frozen files[] = {
+        {"v1_lossless", 37, 23, 0x27382048, 0xb7b41fbe},
+        {"v1_mixing", 37, 23, 0x5f9e027b, 0x1c6d7a80},
+        {"v1_tables", 140, 133, 0x7140de25, 0x7e988f66},
+        {"v1_16bit", 33, 29, 0xceab7aa6, 0x44fd2d46},
+        {"v1_floats", 40, 31, 0xae50b541, 0xa84f9b93},
+        {"v1_float_bits", 40, 31, 0x0e2e5add, 0x89593905},
+        {"v1_table", 48, 48, 0xe3089703, 0xe5f928fe},
+        {"v1_coefficients", 40, 31, 0x7ffbb50c, 0x2bd33d48},
+        {"v1_tiles", 600, 3, 0x6f8d5c3e, 0x9fc32143},
+    };
+    for (const Frozen& frozen : files) {
+        const std::string name =
+            std::string(WAVEFOG_DATA_DIR) + "/../tests/data/wfog/" + frozen.name + ".wfog";
+        INFO(name);
+        std::ifstream stream(name, std::ios::binary);
+        REQUIRE(stream);
+        const auto whole = decode_wfog(stream);
+        REQUIRE(whole.has_value());
+        CHECK(whole->map.cols() == frozen.width);
+        CHECK(whole->map.rows() == frozen.height);
+        CHECK(checksum(whole->map) == frozen.whole);
+        WfogLimits limits;
+        limits.levels = whole->of_levels / 2;
+        stream.clear();
+        stream.seekg(0);
+        const auto half = decode_wfog(stream, limits);
+        REQUIRE(half.has_value());
+        CHECK(checksum(half->map) == frozen.half);
+    }
+}
+
+}  // namespace wavefog

@@ -1,0 +1,198 @@
+// .wfog files from strangers: an error or a valid fog, never anything else. Run with the
+// sanitizers.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <string>
+
+#include "support/random.h"
+#include "wavefog/fogmap/wfog.h"
+#include "wfog_bytes.h"
+
+namespace wavefog {
+namespace {
+
+using test::FileBytes;
+
+/// Small files of every coder, scale and content.
+std::vector<FileBytes> samples() {
+    std::vector<FileBytes> files;
+    const auto add = [&](const Grid<float>& map, const WfogOptions& options, bool exact = true) {
+        const auto fog = make_fog(map, {.degree = 1, .levels = 2});
+        REQUIRE(fog.has_value());
+        Fog changed = *fog;
+        if (!exact) changed.decomposition.details[0].psi_psi.values += 0.001f;
+        const auto file = encode_wfog(changed, options, exact ? &map : nullptr);
+        if (!file) FAIL(file.error().message);
+        files.push_back(file->bytes);
+    };
+    Grid<float> ramp(24, 40), floats(13, 11), few(32, 32);
+    for (Eigen::Index j = 0; j < ramp.rows(); ++j)
+        for (Eigen::Index i = 0; i < ramp.cols(); ++i)
+            ramp(j, i) = float((i * 5 + j * j) % 256) / 255;
+    for (Eigen::Index i = 0; i < floats.size(); ++i) floats.data()[i] = std::sin(float(i)) + 1.5f;
+    for (Eigen::Index i = 0; i < few.size(); ++i) few.data()[i] = std::sqrt(float((i / 7) % 5));
+    Grid<float> large(129, 130);
+    for (Eigen::Index j = 0; j < large.rows(); ++j)
+        for (Eigen::Index i = 0; i < large.cols(); ++i)
+            large(j, i) = float((i + j) / 4 % 256) / 255;
+    WfogOptions lossy;
+    lossy.promise = WfogOptions::Promise::max_error;
+    lossy.error = 0.02;
+    add(ramp, {});
+    add(ramp, lossy);
+    add(floats, {});
+    add(floats, lossy);
+    add(floats, {}, false);
+    add(few, {});
+    add(large, lossy);
+    add(Grid<float>::Constant(3, 3, 0.5f), {});
+    return files;
+}
+
+/// Decodes; what comes out is an error or passes validate().
+bool opens(const FileBytes& file, bool partial = false) {
+    WfogLimits limits;
+    limits.max_map_bytes = 4 << 20;
+    limits.partial = partial;
+    limits.threads = 1;
+    const auto decoded = decode_wfog(file, limits);
+    if (!decoded) {
+        CHECK_FALSE(decoded.error().message.empty());
+        return false;
+    }
+    CHECK(decoded->fog.validate().has_value());
+    CHECK(decoded->map.allFinite());
+    return true;
+}
+
+std::string error_of(const FileBytes& file) {
+    const auto decoded = decode_wfog(file);
+    return decoded ? "" : decoded.error().message;
+}
+
+bool contains(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+}  // namespace
+
+TEST_CASE("wfog: every truncation, every flipped bit and every further byte is an error") {
+    for (const FileBytes& file : samples()) {
+        if (file.size() > 3000) continue;
+        CHECK(opens(file));
+        for (std::size_t size = 0; size < file.size(); ++size)
+            CHECK_FALSE(opens(FileBytes(file.begin(), file.begin() + std::ptrdiff_t(size))));
+        for (std::size_t bit = 0; bit < 8 * file.size(); ++bit) {
+            FileBytes flipped = file;
+            flipped[bit / 8] = std::uint8_t(flipped[bit / 8] ^ (1u << (bit % 8)));
+            const bool opened = opens(flipped);
+            // The checksum misses nothing; the first five bytes are checked themselves.
+            CHECK_FALSE(opened);
+        }
+        for (const int more : {0, 1, int('S'), int('s'), 255}) {
+            FileBytes longer = file;
+            longer.push_back(std::uint8_t(more));
+            CHECK_FALSE(opens(longer));
+        }
+    }
+}
+
+TEST_CASE("wfog: damage behind right checksums is an error or a valid fog") {
+    test::Random random(4711);
+    for (const FileBytes& file : samples()) {
+        for (int trial = 0; trial < 400; ++trial) {
+            FileBytes damaged = file;
+            for (int n = random.integer(1, 4); n > 0; --n) {
+                // Heads are short and matter most.
+                const int last = int(damaged.size()) - 1;
+                const int at = random.integer(5, random.integer(0, 1) ? std::min(70, last) : last);
+                damaged[std::size_t(at)] = std::uint8_t(random.integer(0, 255));
+            }
+            test::repair_checksums(damaged);
+            opens(damaged, trial % 2 == 0);
+        }
+        // Chunks left out, doubled and in another order.
+        const auto starts = test::chunk_starts(file);
+        for (std::size_t a = 0; a + 1 < starts.size(); ++a)
+            for (std::size_t b = 0; b + 1 < starts.size(); ++b) {
+                FileBytes shuffled(file.begin(), file.begin() + 5);
+                for (std::size_t i = 0; i + 1 < starts.size(); ++i) {
+                    const std::size_t from = i == a ? b : i == b ? a : i;
+                    shuffled.insert(shuffled.end(), file.begin() + std::ptrdiff_t(starts[from]),
+                                    file.begin() + std::ptrdiff_t(starts[from + 1]));
+                }
+                opens(shuffled);
+            }
+    }
+}
+
+TEST_CASE("wfog: wrong magic, wrong version and sizes that lie are told apart") {
+    const FileBytes file = samples().front();
+    FileBytes other = file;
+    other[0] = 'X';
+    CHECK(contains(error_of(other), "is no .wfog file"));
+    CHECK(contains(error_of({}), "is no .wfog file"));
+    other = file;
+    other[4] = 2;
+    CHECK(contains(error_of(other), "format version 2"));
+
+    // 65536 x 65536 pixels in a few bytes.
+    const auto starts = test::chunk_starts(file);
+    const FileBytes head(file.begin() + std::ptrdiff_t(starts[0]) + 2,
+                         file.begin() + std::ptrdiff_t(starts[1]) - 4);
+    const auto with_size = [&](const FileBytes& size) {
+        FileBytes payload = size;
+        payload.insert(payload.end(), head.begin() + 2, head.end());  // 40 and 24 are a byte each
+        FileBytes lie(file.begin(), file.begin() + 5);
+        const FileBytes chunk = test::make_chunk('F', payload);
+        lie.insert(lie.end(), chunk.begin(), chunk.end());
+        lie.insert(lie.end(), file.begin() + std::ptrdiff_t(starts[1]), file.end());
+        return lie;
+    };
+    CHECK(opens(with_size({40, 24})));
+    CHECK(contains(error_of(with_size({0x80, 0x80, 0x04, 0x80, 0x80, 0x04})), "above the limit"));
+    CHECK(contains(error_of(with_size({0x81, 0x80, 0x04, 24})), "size is impossible"));
+    CHECK(contains(error_of(with_size({0, 24})), "size is impossible"));
+    CHECK_FALSE(opens(with_size({0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x7f, 24})));
+    opens(with_size({0x80, 0x08, 24}));  // 1024 x 24: decodes to something, or an error
+}
+
+TEST_CASE("wfog: unknown optional chunks are skipped, unknown required ones refused") {
+    const FileBytes file = samples().front();
+    const auto starts = test::chunk_starts(file);
+    for (std::size_t i = 1; i < starts.size(); ++i) {
+        for (const char type : {'x', 'a', 'z'}) {
+            FileBytes more = file;
+            const FileBytes chunk = test::make_chunk(type, {1, 2, 3});
+            more.insert(more.begin() + std::ptrdiff_t(starts[i]), chunk.begin(), chunk.end());
+            CHECK(opens(more));
+        }
+        FileBytes more = file;
+        const FileBytes chunk = test::make_chunk('X', {1, 2, 3});
+        more.insert(more.begin() + std::ptrdiff_t(starts[i]), chunk.begin(), chunk.end());
+        CHECK(contains(error_of(more), "feature 'X'"));
+    }
+}
+
+TEST_CASE("wfog: sides up to 65536") {
+    for (const auto& [w, h] : {std::pair{65536, 2}, {1, 65536}}) {
+        Grid<float> map(h, w);
+        for (Eigen::Index i = 0; i < map.size(); ++i) map.data()[i] = float(i / 100 % 256) / 255;
+        const auto fog = make_fog(map, {});
+        REQUIRE(fog.has_value());
+        const auto file = encode_wfog(*fog, {}, &map);
+        REQUIRE(file.has_value());
+        const auto back = decode_wfog(file->bytes);
+        REQUIRE(back.has_value());
+        CHECK((back->map == map).all());
+    }
+    const Grid<float> wide = Grid<float>::Zero(1, 65537);
+    const auto fog = make_fog(wide, {});
+    REQUIRE(fog.has_value());
+    const auto file = encode_wfog(*fog, {}, &wide);
+    REQUIRE_FALSE(file.has_value());
+    CHECK(contains(file.error().message, "at most 65536"));
+}
+
+}  // namespace wavefog
