@@ -51,12 +51,16 @@ Result<void> check_files(const RenderOptions& options) {
 
 /// The fogs of --fog instead of the scene's own.
 Result<void> replace_fogs(const std::vector<fs::path>& files, Scene& scene) {
-    if (!files.empty()) scene.fogs.clear();
+    if (!files.empty()) {
+        scene.fogs.clear();
+        scene.models.clear();
+    }
     for (const fs::path& file : files) {
         if (auto ok = check_input(file); !ok) return ok;
-        Result<std::vector<Fog>> fogs = load_fogs(file);
-        if (!fogs) return tl::unexpected(fogs.error());
-        std::move(fogs->begin(), fogs->end(), std::back_inserter(scene.fogs));
+        Result<SceneFogs> loaded = load_fogs(file);
+        if (!loaded) return tl::unexpected(loaded.error());
+        std::move(loaded->fogs.begin(), loaded->fogs.end(), std::back_inserter(scene.fogs));
+        std::move(loaded->models.begin(), loaded->models.end(), std::back_inserter(scene.models));
     }
     return {};
 }

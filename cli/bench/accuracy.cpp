@@ -82,15 +82,17 @@ double ssim(int width, int height, const std::vector<double>& a, const std::vect
     return sum / double(aa.size());
 }
 
-Truth compute_truth(const std::vector<Fog>& fogs, const Camera& camera, const Image& depth) {
+Truth compute_truth(const std::vector<Fog>& fogs, const std::vector<FogModel>& models,
+                    const Camera& camera, const Image& depth) {
     Truth truth{depth.width, depth.height, std::vector<double>(depth.pixels.size(), 0.0)};
     const std::vector<Reference> references(fogs.begin(), fogs.end());
     const PixelRays rays(camera, truth.width, truth.height);
     const auto integrate_rows = [&](std::size_t begin, std::size_t end) {
         for (int y = int(begin); y < int(end); ++y)
             for (int x = 0; x < truth.width; ++x) {
+                const PixelRay ray = rays.at(x, y, double(depth.at(x, y, 0)));
                 truth.tau[std::size_t(y * truth.width + x)] =
-                    rays.optical_depth(references, rays.at(x, y, double(depth.at(x, y, 0))));
+                    rays.optical_depth(references, ray, 1, models);
             }
     };
     parallel_chunks("integrating the truth", std::size_t(truth.height), 4, integrate_rows);

@@ -17,7 +17,8 @@ struct Truth {
 
 /// From the depth buffer that the fog passes read, on all cores. `fogs` as undecomposed() makes
 /// them: the finest map itself.
-Truth compute_truth(const std::vector<Fog>& fogs, const Camera& camera, const Image& depth);
+Truth compute_truth(const std::vector<Fog>& fogs, const std::vector<FogModel>& models,
+                    const Camera& camera, const Image& depth);
 
 /// What rays a picture has: bounds on errors need no more.
 struct RayReach {
