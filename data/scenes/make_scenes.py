@@ -138,7 +138,7 @@ def halfspace():
 def layers():
     """A thin layer that hangs over a clearing: a ramp of four points."""
     rnd = random.Random(33)
-    eye, target = (160, 7.2, 120), (118, 7.0, 60)
+    eye, target = (160, 7.6, 120), (118, 7.2, 60)
 
     def clear(x, z):
         dx, dz = x - eye[0], z - eye[2]
@@ -151,11 +151,11 @@ def layers():
         "camera": {"eye": eye, "target": target, "up": [0, 1, 0], "fov_y_deg": 42, "near": 0.2,
                    "far": 2000},
         "sky": [0.46, 0.56, 0.74],
-        "sun": {"direction": [0.72, 0.30, -0.45], "colour": [1.35, 1.0, 0.68]},
+        "sun": {"direction": [-0.80, 0.22, -0.50], "colour": [1.45, 0.98, 0.62]},
         "terrain": HILLS,
         "fog_colour": [0.80, 0.82, 0.86],
         "fog": [{"model": "layers", "profile": "ramp",
-                 "points": [[4.6, 0], [5.6, 0.055], [6.2, 0.055], [7.6, 0]]},
+                 "points": [[3.0, 0], [4.4, 0.045], [5.2, 0.045], [6.8, 0]]},
                 {"model": "layers", "profile": "exponential", "extinction": 0.0012, "base": 6,
                  "scale": 25}],
         "method": {"name": "exact", "mu": 1.0},
@@ -166,21 +166,24 @@ def layers():
 def cosines():
     """Strata of mist (paper 000, figure 6): its five functions, at this scene's scale."""
     rnd = random.Random(11)
-    eye = (-2900, 400, 1720)
-    unit, mean = 0.0021, 0.00042  # of the paper's length: 1/m; of its density 1: 1/m
+    eye = (-2900, 372, 1720)
+    unit, mean = 0.0016, 0.00040  # of the paper's length: 1/m; of its density 1: 1/m
 
     def wave(share, direction, frequency):
+        # Strata part in front of the eye: their least density is at its height.
+        turn = frequency * math.pi * unit * sum(d * e for d, e in zip(direction, (0, 345, 0)))
         return {"extinction": round(share * mean, 9), "direction": direction,
-                "frequency": round(frequency * math.pi * unit, 7)}
+                "frequency": round(frequency * math.pi * unit, 7),
+                "phase": round((math.pi - turn) % (2 * math.pi), 4)}
 
     write("cosines.json", {
         "size": [1200, 675],
-        "camera": {"eye": eye, "target": (-1250, 175, 350), "up": [0, 1, 0], "fov_y_deg": 30,
-                   "near": 2, "far": 9000},
+        "camera": {"eye": eye, "target": (-1100, 190, 560), "up": [0, 1, 0], "fov_y_deg": 30,
+                   "near": 2, "far": 7000},
         "sky": [0.60, 0.64, 0.72],
-        "sun": {"direction": [0.55, 0.20, -0.80], "colour": [1.35, 0.98, 0.68]},
+        "sun": {"direction": [0.62, 0.13, -0.62], "colour": [1.5, 0.95, 0.58]},
         "terrain": MOUNTAINS,
-        "fog_colour": [0.82, 0.80, 0.80],
+        "fog_colour": [0.80, 0.77, 0.77],
         # cos(pi x) cos(pi z / 2) is half the sum of the cosines of their sum and difference.
         "fog": [{"model": "cosines", "extinction": mean,
                  "waves": [wave(0.5, [0, 1, 0], 5), wave(0.2, [0.1, 1, 0], 7),

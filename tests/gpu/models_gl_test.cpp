@@ -13,6 +13,14 @@ namespace {
 
 // As in models_test.cpp.
 constexpr double kMaxError = 2e-6;
+// A constant halfspace's density jumps at its plane: a pixel whose ray meets the plane at 1e-3
+// turns the 1e-7 by which float32 rounds a direction into 1e-4 of tau.
+constexpr double kMaxGrazingError = 3e-5;
+
+bool jumps(const FogModel& model) {
+    const auto* halfspace = std::get_if<Halfspace>(&model);
+    return halfspace && halfspace->extinction > 0;
+}
 
 struct Drawn {
     Image tau;
@@ -45,7 +53,8 @@ TEST_CASE("models: pictures of every model by every camera equal the twin in dou
         for (std::size_t i = 0; i < models.size(); ++i) {
             CAPTURE(std::string(name));
             CAPTURE(kind_name(models[i]));
-            CHECK_LE(draw(gl, picture, camera, passes[i], {}, {models[i]}).error, kMaxError);
+            CHECK_LE(draw(gl, picture, camera, passes[i], {}, {models[i]}).error,
+                     jumps(models[i]) ? kMaxGrazingError : kMaxError);
         }
     }
 }
