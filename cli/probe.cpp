@@ -130,8 +130,9 @@ Command add_probe(CLI::App& root) {
     app->add_option("-o,--output", options->output, "CSV to write, - for standard output")
         ->required()
         ->type_name("OUT.csv");
-    add_parsed(*app, "--method", options->method, parse_method, "M",
-               "reference | exact | paper | paper-scaling | march:N | homogeneous (reference)");
+    add_parsed(
+        *app, "--method", options->method, parse_method, "M",
+        "reference | exact | radial | paper | paper-scaling | march:N | homogeneous (reference)");
     add_parsed(
         *app, "--mu", options->mu,
         [](const std::string& text) { return parse_number_in(text, 0, 1); }, "MU",
@@ -143,7 +144,8 @@ Command add_probe(CLI::App& root) {
         "that gets through. Several fogs add their optical depths. `reference` is exact in "
         "double;\n"
         "the other methods run the shader's own code on the CPU in float, so that their error can\n"
-        "be seen without a GPU.\n"
+        "be seen without a GPU. `radial` builds a table around each O: keep the rays of one O "
+        "together.\n"
         "\n"
         "Example: how much light crosses 300 m of the fog?\n"
         "  echo 0,2,0,300,2,0 | wavefog probe banks.exr --rays - -o -");

@@ -117,9 +117,10 @@ Command add_render(CLI::App& root) {
         ->type_name("FOG")
         ->allow_extra_args(false);
     add_parsed(*app, "--size", options->size, parse_size, "WxH", "Pixels (the scene's size)");
-    add_parsed(*app, "--method", options->method, parse_method, "M",
-               "exact | paper | paper-scaling | march:N | froxel:XxYxZ | homogeneous | reference "
-               "(the scene's)");
+    add_parsed(
+        *app, "--method", options->method, parse_method, "M",
+        "exact | radial | paper | paper-scaling | march:N | froxel:XxYxZ | homogeneous | reference "
+        "(the scene's)");
     add_parsed(
         *app, "--mu", options->mu,
         [](const std::string& text) { return parse_number_in(text, 0, 1); }, "MU",
@@ -142,6 +143,7 @@ Command add_render(CLI::App& root) {
         "every pixel, finds the optical depth of the fog in front of it, and blends\n"
         "L = T L_scene + (1 - T) L_fog with T = exp(-optical depth).\n"
         "Methods: `exact` integrates each cell of the map in closed form (float rounding);\n"
+        "`radial` looks them up in a table around the eye, filled once a frame: the fastest;\n"
         "`paper` and `paper-scaling` follow the published algorithm, `march:N` takes N samples a "
         "ray,\n"
         "`froxel:XxYxZ` fills a volume as engines do; `homogeneous` is one constant fog;\n"

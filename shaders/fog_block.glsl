@@ -40,6 +40,30 @@ layout(std140) uniform PaperBlock {
 } paper;
 #endif
 
+// Method radial: what the table's columns and rows stand for (fog_radial.glsl).
+#ifdef __cplusplus
+struct RadialBlock {
+#else
+layout(std140) uniform RadialBlock {
+#endif
+    vec4 axis;     // xy: horizontal unit vector (x, z) of azimuth coordinate 0; z: bend of the
+                   // coordinate; w: 1 to count from the nearest of four axes
+    vec4 azimuth;  // coordinate of column 0, and per column; zw: texture u = z + w coordinate
+    vec4 radius;   // x: distance of row 0, m; y: of the last row less that; z: r0 and w: sqrt(r0) of
+                   // the rows' spacing, sqrt(L + r0) - sqrt(r0) = row * rows.x
+    vec4 rows;     // x: see above; zw: texture v = z + w sqrt(L + r0)
+    vec4 edge;     // xy: least and largest texture u; z: texture v from one level's rows to the next's
+    vec4 cell;     // xy: metres a finest cell
+    vec4 stop;     // x: integral at which a column of a uniform fog ends, metres of density 1
+    ivec4 size;    // x: columns, y: rows; z: rows from one level's to the next's; w: finest level of
+                   // the first table
+    ivec4 level[FOG_MAX_LEVELS];  // l: x: one past the last row that reads level l's grid
+#ifdef __cplusplus
+};
+#else
+} radial;
+#endif
+
 // The eye's rays. A clip-space point (x, y, depth, 1) comes back to camera-relative world metres as
 // the homogeneous point (1 - depth) * near(x, y) + depth * far(x, y): no cancellation at any depth
 // convention, unlike one inverse matrix applied to 2 * depth - 1.

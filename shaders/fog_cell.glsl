@@ -74,17 +74,34 @@ FogMoments fog_moments(float e0, float e1) {
     return h;
 }
 
-// Mean of density * h on the segment with midpoint m and half extent d; area = d.x d.y.
-float fog_mean(FogCell cell, vec2 m, vec2 d, float area, FogMoments h) {
+// A cell's density on a line m + d s: s0 + s1 s + s2 s^2 + s3 s^3 + s4 s^4.
+struct FogLine {
+    float s0;
+    float s1;
+    float s2;
+    float s3;
+    float s4;
+};
+
+// area = d.x d.y.
+FogLine fog_line(FogCell cell, vec2 m, vec2 d, float area) {
+    FogLine line;
 #if FOG_DEGREE == 0
-    return cell.c.x * h.m0;
+    line.s0 = cell.c.x;
+    line.s1 = 0.0f;
+    line.s2 = 0.0f;
+    line.s3 = 0.0f;
+    line.s4 = 0.0f;
 #elif FOG_DEGREE == 1
     float du = cell.c.y + cell.c.w * m.y;
     float dv = cell.c.z + cell.c.w * m.x;
-    return (cell.c.x + cell.c.y * m.x + m.y * dv) * h.m0 + (d.x * du + d.y * dv) * h.m1 +
-           cell.c.w * area * h.m2;
+    line.s0 = cell.c.x + cell.c.y * m.x + m.y * dv;
+    line.s1 = d.x * du + d.y * dv;
+    line.s2 = cell.c.w * area;
+    line.s3 = 0.0f;
+    line.s4 = 0.0f;
 #else
-    // Each row is a + b s + c s^2 along the segment; v = m.y + d.y s.
+    // Each row is a + b s + c s^2 along the line; v = m.y + d.y s.
     vec3 a = vec3(cell.row0.x, cell.row1.x, cell.row2.x);
     vec3 b = vec3(cell.row0.y, cell.row1.y, cell.row2.y);
     vec3 c = vec3(cell.row0.z, cell.row1.z, cell.row2.z);
@@ -92,11 +109,23 @@ float fog_mean(FogCell cell, vec2 m, vec2 d, float area, FogMoments h) {
     b = d.x * (b + (2.0f * m.x) * c);
     c = (d.x * d.x) * c;
     float v = m.y;
-    float s0 = a.x + v * (a.y + v * a.z);
-    float s1 = b.x + v * (b.y + v * b.z) + d.y * (a.y + 2.0f * v * a.z);
-    float s2 = c.x + v * (c.y + v * c.z) + d.y * (b.y + 2.0f * v * b.z + d.y * a.z);
-    float s3 = d.y * (c.y + 2.0f * v * c.z + d.y * b.z);
-    float s4 = d.y * d.y * c.z;
-    return s0 * h.m0 + s1 * h.m1 + s2 * h.m2 + s3 * h.m3 + s4 * h.m4;
+    line.s0 = a.x + v * (a.y + v * a.z);
+    line.s1 = b.x + v * (b.y + v * b.z) + d.y * (a.y + 2.0f * v * a.z);
+    line.s2 = c.x + v * (c.y + v * c.z) + d.y * (b.y + 2.0f * v * b.z + d.y * a.z);
+    line.s3 = d.y * (c.y + 2.0f * v * c.z + d.y * b.z);
+    line.s4 = d.y * d.y * c.z;
+#endif
+    return line;
+}
+
+// Mean of density * h on the segment with midpoint m and half extent d; area = d.x d.y.
+float fog_mean(FogCell cell, vec2 m, vec2 d, float area, FogMoments h) {
+    FogLine line = fog_line(cell, m, d, area);
+#if FOG_DEGREE == 0
+    return line.s0 * h.m0;
+#elif FOG_DEGREE == 1
+    return line.s0 * h.m0 + line.s1 * h.m1 + line.s2 * h.m2;
+#else
+    return line.s0 * h.m0 + line.s1 * h.m1 + line.s2 * h.m2 + line.s3 * h.m3 + line.s4 * h.m4;
 #endif
 }

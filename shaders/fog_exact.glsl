@@ -29,26 +29,43 @@ FogCell fog_fetch(ivec4 level, vec2 texel) {
     return cell;
 }
 
-// Integral of density * height over t in [from, to] on level l's grid; stops beyond `enough`.
-// There is no branch on the cell: an empty one has a negative "density", which the clamp turns into 0,
-// and with FOG_SKIP a radius by which the step is longer.
-float fog_walk(FogRay ray, int l, float from, float to, float enough) {
+// A ray in the cells of one level, counted from the cell that fog.base lies in.
+struct FogGrid {
+    vec2 o;         // origin
+    vec2 g;         // slope
+    vec2 per_cell;  // t per cell
+    vec2 forward;   // +-1
+    vec2 face;      // t at which the ray leaves column k is (k + face) per_cell
+    vec2 first;     // texel of cell 0 (degree 2: cells along x)
+};
+
+FogGrid fog_grid(vec2 origin, vec2 slope, int l) {
     ivec4 level = fog.level[l];
     int e = fog.base.z - l;
     float per_level = 1.0f / float(1 << e);
     ivec2 whole = ivec2(fog.base.x >> e, fog.base.y >> e);
     vec2 base = vec2(float(whole.x), float(whole.y));
-    vec2 o = (ray.origin + vec2(float(fog.base.x - (whole.x << e)), float(fog.base.y - (whole.y << e)))) *
+    FogGrid grid;
+    grid.o = (origin + vec2(float(fog.base.x - (whole.x << e)), float(fog.base.y - (whole.y << e)))) *
              per_level;
-    vec2 g = ray.slope * per_level;
-    vec2 half_g = 0.5f * g;
+    grid.g = slope * per_level;
+    grid.per_cell =
+        vec2(grid.g.x == 0.0f ? FOG_FAR : 1.0f / grid.g.x, grid.g.y == 0.0f ? FOG_FAR : 1.0f / grid.g.y);
+    grid.forward = vec2(grid.g.x < 0.0f ? -1.0f : 1.0f, grid.g.y < 0.0f ? -1.0f : 1.0f);
+    grid.face = max(grid.forward, vec2(0.0f)) - grid.o;
+    grid.first = base + vec2(FOG_DEGREE == 2 ? 0.0f : float(level.x), float(level.y));
+    return grid;
+}
+
+// Integral of density * height over t in [from, to] on level l's grid; stops beyond `enough`.
+// There is no branch on the cell: an empty one has a negative "density", which the clamp turns into 0,
+// and with FOG_SKIP a radius by which the step is longer.
+float fog_walk(FogRay ray, int l, float from, float to, float enough) {
+    ivec4 level = fog.level[l];
+    FogGrid grid = fog_grid(ray.origin, ray.slope, l);
+    vec2 half_g = 0.5f * grid.g;
     float twist = half_g.x * half_g.y;
-    vec2 per_cell = vec2(g.x == 0.0f ? FOG_FAR : 1.0f / g.x, g.y == 0.0f ? FOG_FAR : 1.0f / g.y);
-    vec2 forward = vec2(g.x < 0.0f ? -1.0f : 1.0f, g.y < 0.0f ? -1.0f : 1.0f);
-    // t at which the ray leaves column k is (k + face) per_cell.
-    vec2 face = max(forward, vec2(0.0f)) - o;
-    vec2 first = base + vec2(FOG_DEGREE == 2 ? 0.0f : float(level.x), float(level.y));
-    vec2 k = floor(o + g * from);
+    vec2 k = floor(grid.o + grid.g * from);
 #ifdef FOG_LAYERED
     float up = ray.rise < 0.0f ? -1.0f : 1.0f;
     float per_rise = ray.rise == 0.0f ? FOG_FAR : 1.0f / ray.rise;
@@ -60,20 +77,20 @@ float fog_walk(FogRay ray, int l, float from, float to, float enough) {
     float t = from;
     float sum = 0.0f;
     while (t < to) {
-        FogCell cell = fog_fetch(level, k + first);
+        FogCell cell = fog_fetch(level, k + grid.first);
 #ifdef FOG_SKIP
         // The square of cells k - radius .. k + radius is empty.
         float radius = max(-FOG_EMPTY - FOG_FIRST(cell), 0.0f);
-        vec2 cross = (k + forward * radius + face) * per_cell;
+        vec2 cross = (k + grid.forward * radius + grid.face) * grid.per_cell;
 #else
-        vec2 cross = (k + face) * per_cell;
+        vec2 cross = (k + grid.face) * grid.per_cell;
 #endif
         float next = min(min(cross.x, cross.y), to);
 #ifdef FOG_LAYERED
         next = min(next, plane_t);
 #endif
         float dt = next - t;
-        vec2 m = o + half_g * (t + next) - k;
+        vec2 m = grid.o + half_g * (t + next) - k;
 #ifdef FOG_LAYERED
         FogMoments h = fog_moments(ray.eta + ray.rise * t, ray.eta + ray.rise * next);
 #else
@@ -84,11 +101,11 @@ float fog_walk(FogRay ray, int l, float from, float to, float enough) {
         // A crossed face gives the new index exactly; after a long step the other axis is looked up,
         // inside the square.
 #ifdef FOG_SKIP
-        vec2 stay = clamp(floor(o + g * next), k - radius, k + radius);
-        vec2 beyond = k + forward * (radius + 1.0f);
+        vec2 stay = clamp(floor(grid.o + grid.g * next), k - radius, k + radius);
+        vec2 beyond = k + grid.forward * (radius + 1.0f);
 #else
         vec2 stay = k;
-        vec2 beyond = k + forward;
+        vec2 beyond = k + grid.forward;
 #endif
         k = vec2(cross.x <= next ? beyond.x : stay.x, cross.y <= next ? beyond.y : stay.y);
 #ifdef FOG_LAYERED

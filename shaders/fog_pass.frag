@@ -1,7 +1,8 @@
-// The fog post-process for one fog, or for all that formulas give (fog_models.glsl): depth (and colour) in, fogged colour or optical depth out.
-// Defines: FOG_DEGREE, FOG_PROFILE, FOG_REPEAT, FOG_SKIP, FOG_METHOD, FOG_PAPER_SCALING; FOG_OUTPUT_TAU
-// writes optical depth instead of colour; FOG_PREVIOUS_TAU adds the optical depth of the fogs drawn
-// before.
+// The fog post-process for one fog, or for all that formulas give (fog_models.glsl): depth (and
+// colour) in, fogged colour or optical depth out.
+// Defines: FOG_DEGREE, FOG_PROFILE, FOG_REPEAT, FOG_SKIP, FOG_METHOD, FOG_PAPER_SCALING,
+// RADIAL_LAYERED; FOG_OUTPUT_TAU writes optical depth instead of colour; FOG_PREVIOUS_TAU adds the
+// optical depth of the fogs drawn before.
 // Blend: L = T L_scene + (1 - T) L_fog (paper 004, eq. 4), linear colours.
 precision highp float;
 precision highp int;
@@ -12,6 +13,7 @@ precision highp sampler2D;
 #define FOG_METHOD_HOMOGENEOUS 2
 #define FOG_METHOD_NONE 3
 #define FOG_METHOD_PAPER 4
+#define FOG_METHOD_RADIAL 5
 #define FOG_METHOD_MODELS 6
 
 #include "fog_block.glsl"
@@ -21,6 +23,7 @@ uniform sampler2D fog_map;         // the map itself, for march:N
 uniform sampler2D paper_bands;     // packed coefficients
 uniform sampler2D paper_paths;     // path-integral table, whole paths
 uniform sampler2D paper_partials;  // path-integral table, partial paths
+uniform sampler2D radial_table;    // of method radial
 uniform sampler2D scene_depth;
 uniform sampler2D scene_colour;
 uniform sampler2D previous_tau;
@@ -31,6 +34,8 @@ uniform sampler2D previous_tau;
 #include "fog_baselines.glsl"
 #if FOG_METHOD == FOG_METHOD_PAPER
 #include "fog_paper.glsl"
+#elif FOG_METHOD == FOG_METHOD_RADIAL
+#include "fog_radial.glsl"
 #elif FOG_METHOD == FOG_METHOD_MODELS
 #include "fog_models_block.glsl"
 #include "fog_models.glsl"
@@ -85,6 +90,8 @@ float optical_depth(vec2 pixel, float depth) {
     return fog_exact(ray);
 #elif FOG_METHOD == FOG_METHOD_PAPER
     return fog_paper(ray);
+#elif FOG_METHOD == FOG_METHOD_RADIAL
+    return fog_radial(ray);
 #else
     return fog_march(ray, view.samples.x);
 #endif

@@ -83,20 +83,38 @@ double ssim(int width, int height, const std::vector<double>& a, const std::vect
 }
 
 Truth compute_truth(const std::vector<Fog>& fogs, const std::vector<FogModel>& models,
-                    const Camera& camera, const Image& depth) {
-    Truth truth{depth.width, depth.height, std::vector<double>(depth.pixels.size(), 0.0)};
+                    const Camera& camera, const Image& depth, int stride) {
+    Truth truth;
+    truth.width = (depth.width + stride - 1) / stride;
+    truth.height = (depth.height + stride - 1) / stride;
+    truth.tau.resize(std::size_t(truth.width) * std::size_t(truth.height));
+    truth.stride = stride;
     const std::vector<Reference> references(fogs.begin(), fogs.end());
-    const PixelRays rays(camera, truth.width, truth.height);
+    const PixelRays rays(camera, depth.width, depth.height);
     const auto integrate_rows = [&](std::size_t begin, std::size_t end) {
         for (int y = int(begin); y < int(end); ++y)
             for (int x = 0; x < truth.width; ++x) {
-                const PixelRay ray = rays.at(x, y, double(depth.at(x, y, 0)));
+                const PixelRay ray =
+                    rays.at(stride * x, stride * y, double(depth.at(stride * x, stride * y, 0)));
                 truth.tau[std::size_t(y * truth.width + x)] =
                     rays.optical_depth(references, ray, 1, models);
             }
     };
     parallel_chunks("integrating the truth", std::size_t(truth.height), 4, integrate_rows);
     return truth;
+}
+
+Image every_nth(const Image& image, int stride) {
+    if (stride == 1) return image;
+    Image sparse{(image.width + stride - 1) / stride,
+                 (image.height + stride - 1) / stride,
+                 image.channels,
+                 {}};
+    for (int y = 0; y < sparse.height; ++y)
+        for (int x = 0; x < sparse.width; ++x)
+            for (int c = 0; c < sparse.channels; ++c)
+                sparse.pixels.push_back(image.at(stride * x, stride * y, c));
+    return sparse;
 }
 
 RayReach ray_reach(const std::vector<Fog>& fogs, const Camera& camera, const Image& depth) {

@@ -13,12 +13,16 @@ namespace wavefog::cli {
 struct Truth {
     int width = 0, height = 0;
     std::vector<double> tau;
+    int stride = 1;  ///< pixel (x, y) is the picture's (stride x, stride y)
 };
 
 /// From the depth buffer that the fog passes read, on all cores. `fogs` as undecomposed() makes
 /// them: the finest map itself.
 Truth compute_truth(const std::vector<Fog>& fogs, const std::vector<FogModel>& models,
-                    const Camera& camera, const Image& depth);
+                    const Camera& camera, const Image& depth, int stride = 1);
+
+/// Every stride-th pixel of every stride-th row, as a Truth of that stride has them.
+Image every_nth(const Image& image, int stride);
 
 /// What rays a picture has: bounds on errors need no more.
 struct RayReach {

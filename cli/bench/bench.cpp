@@ -9,6 +9,7 @@
 #include "bench/plan.h"
 #include "bench/provenance.h"
 #include "bench/readme.h"
+#include "bench/scale.h"
 #include "bench/stability.h"
 #include "command.h"
 #include "files.h"
@@ -59,6 +60,7 @@ Result<Results> measure(const BenchOptions& options) {
         scenes.push_back(*std::move(scene));
         for (fs::path& named : files_of_scene(file)) files.push_back(std::move(named));
     }
+    if (options.plan.preset == Preset::scale) scenes = scale_scenes(scenes);
     Results results;
     const Result<std::unique_ptr<Context>> context = create_context(options.context);
     if (!context) return tl::unexpected(context.error());
@@ -117,7 +119,8 @@ Command add_bench(CLI::App& root) {
         ->type_name("DIR");
     add_choice(*app, "--preset", options->plan.preset, preset_names, "What to measure (none)");
     add_parsed(*app, "--methods", options->plan.methods, parse_methods, "M,M,...",
-               "Methods (the preset's, or exact,march:32,march:256); homogeneous is always there");
+               "Methods (the preset's, or radial,exact,march:32,march:256); homogeneous is always "
+               "there");
     add_parsed(*app, "--mu", options->plan.mus, parse_mus, "MU,MU,...",
                "Each method that has a mu is measured at all of these (1)");
     add_parsed(*app, "--levels", options->plan.levels, parse_level_list, "N,N,...",
@@ -132,6 +135,9 @@ Command add_bench(CLI::App& root) {
         *app, "--budget", options->measure.seconds,
         [](const std::string& text) { return parse_number_in(text, 0.001, 1e6); }, "SECONDS",
         "Take about this long and tell what was left out (chart and paper-tables: 780)");
+    app->add_flag("--reuse", options->measure.reuse,
+                  "Let method radial keep its table, as a camera at rest does (it is filled anew "
+                  "each frame)");
     app->add_option("--context", options->context,
                     "OpenGL by osmesa (no display, no GPU) or egl (a GPU without a display) "
                     "(osmesa)")
@@ -152,7 +158,11 @@ Command add_bench(CLI::App& root) {
         "Presets: speed (few methods, one table), chart (every method over its knob: cost against\n"
         "error), paper-tables (tables 1 to 3 of paper 004 beside ours; the first scene with its "
         "map\n"
-        "averaged to 16x16, 32x32 and 64x64), stability (where methods fail; needs no scene).\n"
+        "averaged to 16x16, 32x32 and 64x64), stability (where methods fail; needs no scene), "
+        "scale\n"
+        "(the first map of each scene at 64x64 to 4096x4096, mirrored where it is smaller, from "
+        "five\n"
+        "cameras).\n"
         "Charts need gnuplot.\n"
         "\n"
         "Example:\n"

@@ -27,6 +27,7 @@ struct Look {
 
 // One look for a method and for a family in all charts. Unstable families are dashed and warm.
 constexpr Look kLooks[] = {{"exact", "#0072B2", 7, 1},
+                           {"radial", "#56B4E9", 15, 1},
                            {"paper", "#D55E00", 5, 1},
                            {"paper-scaling", "#E69F00", 9, 1},
                            {"march", "#009E73", 13, 1},

@@ -115,13 +115,13 @@ void Measurement::show_progress(const std::string& doing) const {
 
 Result<const Truth*> Measurement::truth(const Group& group, const Variant& variant,
                                         const Stage& stage) {
-    const std::string key = fmt::format("{}:{}x{}:{}", group.scene, group.size.width,
-                                        group.size.height, variant.truth_key);
+    const std::string key = fmt::format("{}:{}x{}/{}:{}", group.scene, group.size.width,
+                                        group.size.height, group.stride, variant.truth_key);
     if (const auto found = truths_.find(key); found != truths_.end()) return &found->second;
     const Result<std::vector<Fog>> fogs = undecomposed(variant.fogs);
     if (!fogs) return tl::unexpected(fogs.error());
     const Scene& scene = scenes_[group.scene].scene;
-    Truth made = compute_truth(*fogs, scene.models, scene.camera, stage.depth);
+    Truth made = compute_truth(*fogs, scene.models, scene.camera, stage.depth, group.stride);
     return &truths_.emplace(key, std::move(made)).first->second;
 }
 
@@ -245,6 +245,7 @@ void Measurement::estimate(std::vector<Contender>& contenders, const Stage& stag
     for (Contender& contender : contenders) {
         show_progress(label(contender.row));
         const auto seconds_of = [&](const FrameTarget& frame, const Output& output) {
+            if (!options_.reuse) contender.pass.forget();
             const auto draw = [&] {
                 contender.pass.draw_colour(frame, camera, output.framebuffer.name());
             };
@@ -280,9 +281,11 @@ void Measurement::fill_accuracy(Contender& contender, const Truth& truth, const 
     const Gl& gl = context_.gl();
     const GLuint target = stage.fine.framebuffer.name();
     contender.pass.draw_optical_depth(stage.frame, scene.camera, target);
-    const Image tau =
-        read_texture(gl, stage.fine.texture.name(), stage.size.width, stage.size.height, 4);
-    const Accuracy accuracy = measure_accuracy(truth, tau, stage.scene_colour, scene.fog_colour);
+    const Image tau = every_nth(
+        read_texture(gl, stage.fine.texture.name(), stage.size.width, stage.size.height, 4),
+        truth.stride);
+    const Accuracy accuracy =
+        measure_accuracy(truth, tau, every_nth(stage.scene_colour, truth.stride), scene.fog_colour);
     Row& row = contender.row;
     row.max_dT = accuracy.max_dT;
     row.p99_dT = accuracy.p99_dT;
@@ -328,6 +331,7 @@ void Measurement::take_turns(const Group& group, std::vector<Contender>& contend
     const GLuint target = stage.fogged.framebuffer.name();
     FrameTimer timer(context_.gl());
     const auto draw = [&](Contender& contender) {
+        if (!options_.reuse) contender.pass.forget();
         return timer.time([&] { contender.pass.draw_colour(stage.frame, camera, target); });
     };
     int rounds = 0;

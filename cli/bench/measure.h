@@ -31,11 +31,13 @@ struct Group {
     Size size;
     std::vector<Variant> variants;
     std::vector<Case> cases;
+    int stride = 1;  ///< errors are measured in every stride-th pixel of every stride-th row
 };
 
 struct MeasureOptions {
     std::optional<int> frames;      ///< of each case; empty: kFrames, fewer where a frame is slow
     std::optional<double> seconds;  ///< the whole run's time
+    bool reuse = false;             ///< a method keeps its tables from frame to frame
 };
 
 inline constexpr int kFrames = 40;

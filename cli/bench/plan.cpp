@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "bench/paper_tables.h"
+#include "bench/scale.h"
 
 namespace wavefog::cli {
 namespace {
@@ -18,7 +19,7 @@ const std::vector<double> chart_mus = {1, 0.95, 0.9, 0.8, 0.6, 0.4, 0.2, 0};
 
 /// What does not depend on mu is measured once.
 bool uses_mu(MethodKind kind) {
-    return kind == MethodKind::exact || kind == MethodKind::paper ||
+    return kind == MethodKind::exact || kind == MethodKind::radial || kind == MethodKind::paper ||
            kind == MethodKind::paper_scaling;
 }
 
@@ -64,7 +65,8 @@ Result<std::vector<Group>> plan_list(const std::vector<BenchScene>& scenes,
     return groups;
 }
 
-/// Every method swept over its knob: N, the grid of froxels, mu, and the number of levels at mu 0.
+/// Every method swept over its knob: N, table sizes, the grid of froxels, mu, and the number of
+/// levels at mu 0.
 Result<std::vector<Group>> plan_chart(const std::vector<BenchScene>& scenes,
                                       const PlanOptions& options) {
     const auto wavelet_methods = options.methods.empty()
@@ -72,9 +74,10 @@ Result<std::vector<Group>> plan_chart(const std::vector<BenchScene>& scenes,
                                      : options.methods;
     const auto baselines =
         options.methods.empty()
-            ? methods_named({"march:8", "march:16", "march:32", "march:64", "march:128",
-                             "march:256", "march:512", "froxel:80x45x32", "froxel:160x90x64",
-                             "froxel:240x135x64", "froxel:320x180x128"})
+            ? methods_named({"radial:128x32", "radial:256x64", "radial:512x128", "radial:1024x256",
+                             "radial:2048x512", "march:8", "march:16", "march:32", "march:64",
+                             "march:128", "march:256", "march:512", "froxel:80x45x32",
+                             "froxel:160x90x64", "froxel:240x135x64", "froxel:320x180x128"})
             : std::vector<Method>{};
     const auto mus = options.mus.empty() ? chart_mus : options.mus;
     const auto levels = options.levels.empty() ? std::vector<int>{3, 1, 2, 4, 5} : options.levels;
@@ -113,8 +116,9 @@ Result<std::vector<T>> parse_list(const std::string& text, Parse parse) {
 
 Result<std::vector<Group>> plan(const std::vector<BenchScene>& scenes, const PlanOptions& options,
                                 std::vector<std::string>& cut) {
-    const auto methods = options.methods.empty() ? methods_named({"exact", "march:32", "march:256"})
-                                                 : options.methods;
+    const auto methods = options.methods.empty()
+                             ? methods_named({"radial", "exact", "march:32", "march:256"})
+                             : options.methods;
     switch (options.preset) {
         case Preset::chart:
             return plan_chart(scenes, options);
@@ -123,6 +127,12 @@ Result<std::vector<Group>> plan(const std::vector<BenchScene>& scenes, const Pla
                 cut.push_back(
                     fmt::format("{}: paper-tables measures one scene, the first", scenes[i].name));
             return plan_paper_tables(scenes.front(), options.size.value_or(Size{800, 600}));
+        case Preset::scale:
+            return plan_scale(scenes, options.size.value_or(Size{800, 600}),
+                              options.methods.empty()
+                                  ? methods_named({"radial", "exact", "march:32"})
+                                  : options.methods,
+                              options.mus.empty() ? std::vector<double>{1, 0.95} : options.mus);
         default:
             return plan_list(scenes, options, methods,
                              options.mus.empty() ? std::vector<double>{1} : options.mus);
@@ -133,6 +143,7 @@ double preset_seconds(Preset preset) {
     switch (preset) {
         case Preset::chart:
         case Preset::paper_tables:
+        case Preset::scale:
             return 780;  // with loading and drawing below a quarter of an hour
         default:
             return 0;

@@ -9,9 +9,9 @@
 
 namespace wavefog::cli {
 
-enum class Preset { none, speed, chart, paper_tables, stability };
-inline const std::vector<std::string> preset_names = {"none", "speed", "chart", "paper-tables",
-                                                      "stability"};
+enum class Preset { none, speed, chart, paper_tables, stability, scale };
+inline const std::vector<std::string> preset_names = {"none",         "speed",     "chart",
+                                                      "paper-tables", "stability", "scale"};
 
 /// What the command line may set; empty: the preset's own choice.
 struct PlanOptions {

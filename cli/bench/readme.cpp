@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "bench/paper_tables.h"
+#include "bench/scale.h"
 #include "bench/table_text.h"
 
 namespace wavefog::cli {
@@ -36,6 +37,8 @@ std::string report_text(const Results& results, bool markdown) {
     std::string text;
     if (results.preset() == "paper-tables")
         text = paper_tables_text(results.rows, markdown);
+    else if (results.preset() == "scale")
+        text = scale_table_text(results.rows, markdown);
     else if (!results.rows.empty())
         text = rows_text(results.rows, markdown);
     for (const Figure& figure : results.figures)

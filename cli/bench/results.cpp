@@ -25,8 +25,8 @@ Facts value_json(const T& value) {
         return value;
 }
 
-/// Reads `object[key]` into a string, a number or an optional, which results of an older version may
-/// lack; throws the JSON library's errors.
+/// Reads `object[key]` into a string, a number or an optional, which results of an older version
+/// may lack; throws the JSON library's errors.
 template <class T>
 void read_value(const Facts& object, const char* key, T& value) {
     if (IsOptional<T>::value && !object.contains(key)) return;

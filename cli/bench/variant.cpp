@@ -72,6 +72,19 @@ Grid<float> area_average(const Grid<float>& map, int width, int height) {
         .array();
 }
 
+Grid<float> sized_map(const Grid<float>& map, int n) {
+    const auto mirrored = [](int i, Eigen::Index count) {
+        const Eigen::Index k = i % (2 * count);
+        return k < count ? k : 2 * count - 1 - k;
+    };
+    const int rows = std::max(int(map.rows()), n), columns = std::max(int(map.cols()), n);
+    Grid<float> large(rows, columns);
+    for (int j = 0; j < rows; ++j)
+        for (int i = 0; i < columns; ++i)
+            large(j, i) = map(mirrored(j, map.rows()), mirrored(i, map.cols()));
+    return rows == n && columns == n ? large : area_average(large, n, n);
+}
+
 Result<std::vector<Fog>> undecomposed(const std::vector<Fog>& fogs) {
     std::vector<Fog> result;
     for (const Fog& fog : fogs) {
@@ -93,7 +106,7 @@ Result<Variant> make_variant(const BenchScene& scene, const VariantOptions& opti
         if (options.degree || options.levels || options.form || options.family ||
             options.map_size) {
             Grid<float> map = map_of(source);
-            if (options.map_size) map = area_average(map, *options.map_size, *options.map_size);
+            if (options.map_size) map = sized_map(map, *options.map_size);
             const int degree = options.degree.value_or(d.degree());
             const Form form = options.form.value_or(d.form);
             const bool keeps_family = degree == d.degree() && form == d.form;

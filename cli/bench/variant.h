@@ -25,7 +25,7 @@ struct VariantOptions {
     std::optional<int> levels;
     std::optional<Form> form;
     std::optional<std::string> family;  ///< "": the basis's default
-    std::optional<int> map_size;        ///< the first fog alone, area-averaged to NxN
+    std::optional<int> map_size;        ///< the first fog alone, by sized_map()
     std::optional<Profile> profile;
 };
 
@@ -44,5 +44,9 @@ Result<std::vector<Fog>> undecomposed(const std::vector<Fog>& fogs);
 
 /// Mean of the map over each of width x height equal rectangles.
 Grid<float> area_average(const Grid<float>& map, int width, int height);
+
+/// The map at n x n pixels: averaged where it has more, mirrored at its edges where it has fewer,
+/// so that its finest detail stays as rough as it is.
+Grid<float> sized_map(const Grid<float>& map, int n);
 
 }  // namespace wavefog::cli

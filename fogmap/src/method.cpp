@@ -14,8 +14,10 @@ namespace {
 constexpr int kMaxSamples = 65536;
 constexpr int kMinTable = 2, kMaxTable = 128;
 constexpr int kMaxFroxels = 1024;
+constexpr int kMinRadial = 2, kMaxRadial = 8192;
 constexpr const char* kMethods =
-    "reference, exact, paper[:N[:perimeter]], paper-scaling[:N[:perimeter]], march:N, "
+    "reference, exact, radial[:AZIMUTHSxROWS], paper[:N[:perimeter]], "
+    "paper-scaling[:N[:perimeter]], march:N, "
     "froxel:XxYxZ, homogeneous";
 
 std::vector<std::string_view> split(std::string_view text, char at) {
@@ -48,14 +50,15 @@ bool parse_table(const std::vector<std::string_view>& parts, Method& method) {
     return parts.size() <= 3;
 }
 
-bool parse_froxels(const std::vector<std::string_view>& parts, Method& method) {
-    if (parts.size() != 2) return false;
-    const auto sizes = split(parts[1], 'x');
-    if (sizes.size() != 3) return false;
-    for (std::size_t i = 0; i < 3; ++i) {
-        const auto size = number(sizes[i], 1, kMaxFroxels);
+// "AxBx...": as many sizes as `values` has.
+template <std::size_t N>
+bool parse_sizes(std::string_view text, int low, int high, int (&values)[N]) {
+    const auto sizes = split(text, 'x');
+    if (sizes.size() != N) return false;
+    for (std::size_t i = 0; i < N; ++i) {
+        const auto size = number(sizes[i], low, high);
         if (!size) return false;
-        method.froxels[i] = *size;
+        values[i] = *size;
     }
     return true;
 }
@@ -73,6 +76,8 @@ std::string Method::name() const {
             return "reference";
         case MethodKind::exact:
             return "exact";
+        case MethodKind::radial:
+            return radial[0] > 0 ? fmt::format("radial:{}x{}", radial[0], radial[1]) : "radial";
         case MethodKind::paper:
             return with_table("paper");
         case MethodKind::paper_scaling:
@@ -109,10 +114,18 @@ Result<Method> parse_method(const std::string& text) {
         method.samples = *samples;
     } else if (name == "froxel") {
         method.kind = MethodKind::froxel;
-        if (!parse_froxels(parts, method))
+        if (parts.size() != 2 || !parse_sizes(parts[1], 1, kMaxFroxels, method.froxels))
             return usage_error(fmt::format(
                 "method \"{}\": give three sizes from 1 to {}; for example froxel:160x90x64", text,
                 kMaxFroxels));
+    } else if (name == "radial") {
+        method.kind = MethodKind::radial;
+        if (parts.size() > 2 ||
+            (parts.size() == 2 && !parse_sizes(parts[1], kMinRadial, kMaxRadial, method.radial)))
+            return usage_error(fmt::format(
+                "method \"{}\": give azimuths and rows from {} to {}, or nothing; for example "
+                "radial:1024x256",
+                text, kMinRadial, kMaxRadial));
     } else if (bare && name == "reference") {
         method.kind = MethodKind::reference;
     } else if (bare && name == "exact") {

@@ -9,6 +9,7 @@
 #include "froxel_volume.h"
 #include "model_pass.h"
 #include "paper_data.h"
+#include "radial_table.h"
 #include "wavefog/gpu/pixel_rays.h"
 
 namespace wavefog {
@@ -25,6 +26,8 @@ int method_number(const Method& method, bool any_fog) {
         case MethodKind::paper:
         case MethodKind::paper_scaling:
             return 4;
+        case MethodKind::radial:
+            return 5;
         default:
             return 0;
     }
@@ -35,11 +38,11 @@ struct Sampler {
     const char* name;
     GLint unit;
 };
-constexpr Sampler kSamplers[] = {{"fog_cells", 0},    {"fog_map", 1},       {"scene_depth", 2},
-                                 {"scene_colour", 3}, {"previous_tau", 4},  {"paper_bands", 5},
-                                 {"paper_paths", 6},  {"paper_partials", 7}};
-constexpr GLint kUnits = 8;
-constexpr GLuint kFogBinding = 0, kViewBinding = 1, kPaperBinding = 2;
+constexpr Sampler kSamplers[] = {{"fog_cells", 0},    {"fog_map", 1},        {"scene_depth", 2},
+                                 {"scene_colour", 3}, {"previous_tau", 4},   {"paper_bands", 5},
+                                 {"paper_paths", 6},  {"paper_partials", 7}, {"radial_table", 8}};
+constexpr GLint kUnits = 9;
+constexpr GLuint kFogBinding = 0, kViewBinding = 1, kPaperBinding = 2, kRadialBinding = 3;
 
 struct Target {
     Texture texture;
@@ -89,9 +92,14 @@ struct FogPass::Impl {
     Method method;
     Eigen::Vector3d fog_colour;
     // Fog i adds its optical depth to that of the fogs before it; the last one ends in the output.
-    std::vector<Program> add_tau;
-    Program last_colour;
+    struct Programs {
+        std::vector<Program> add_tau;
+        Program last_colour;
+    };
+    Programs programs;
+    Programs orthographic;                ///< method radial: exact, where rays do not share the eye
     std::vector<PaperTextures> paper;     ///< one a fog with the paper's methods, else none
+    std::vector<RadialTable> radial;      ///< one a fog with method radial, else none
     std::optional<FroxelVolume> froxels;  ///< draws instead of all this
     std::optional<ModelPass> models;      ///< draws last
     Buffer fog_uniforms, view_uniforms, paper_uniforms;
@@ -103,9 +111,9 @@ struct FogPass::Impl {
          const Eigen::Vector3d& colour)
         : gl(functions), fogs(std::move(drawn)), method(with), fog_colour(colour) {}
 
-    Result<Program> build(std::size_t fog, bool colour) const {
+    Result<Program> build(const Method& with, std::size_t fog, bool colour) const {
         std::vector<std::string> defines = {
-            fmt::format("FOG_METHOD {}", method_number(method, !fogs.empty()))};
+            fmt::format("FOG_METHOD {}", method_number(with, !fogs.empty()))};
         int degree = 0, profile = 0;
         if (!fogs.empty()) {
             const auto& facts = fogs[fog]->impl_->facts;
@@ -114,7 +122,9 @@ struct FogPass::Impl {
             if (facts.boundary == Boundary::repeat) defines.push_back("FOG_REPEAT");
             if (facts.skip) defines.push_back("FOG_SKIP");
         }
-        if (method.kind == MethodKind::paper_scaling) defines.push_back("FOG_PAPER_SCALING");
+        if (with.kind == MethodKind::paper_scaling) defines.push_back("FOG_PAPER_SCALING");
+        if (fog < radial.size() && radial[fog].shape().layers > 1)
+            defines.push_back("RADIAL_LAYERED");
         defines.push_back(fmt::format("FOG_DEGREE {}", degree));
         defines.push_back(fmt::format("FOG_PROFILE {}", profile));
         if (!colour) defines.push_back("FOG_OUTPUT_TAU");
@@ -128,8 +138,23 @@ struct FogPass::Impl {
         bind_block(program->name(), "FogBlock", kFogBinding);
         bind_block(program->name(), "ViewBlock", kViewBinding);
         bind_block(program->name(), "PaperBlock", kPaperBinding);
+        bind_block(program->name(), "RadialBlock", kRadialBinding);
         gl.UseProgram(0);
         return program;
+    }
+
+    Result<Programs> build_all(const Method& with) const {
+        const std::size_t count = std::max<std::size_t>(fogs.size(), 1);
+        Programs made;
+        for (std::size_t i = 0; i < count; ++i) {
+            auto program = build(with, i, false);
+            if (!program) return tl::unexpected(program.error());
+            made.add_tau.push_back(std::move(*program));
+        }
+        auto colour = build(with, count - 1, true);
+        if (!colour) return tl::unexpected(colour.error());
+        made.last_colour = std::move(*colour);
+        return made;
     }
 
     void bind_block(GLuint program, const char* name, GLuint binding) const {
@@ -160,6 +185,20 @@ struct FogPass::Impl {
         }
     }
 
+    void update_radial(const FrameTarget& frame, const Camera& camera, double seconds) {
+        if (radial.empty() || camera.projection == Camera::Projection::orthographic) return;
+        const auto view = radial_view(camera_matrices(camera, frame.width, frame.height), camera,
+                                      frame.width, frame.height);
+        const double limit = sky_limit(camera);
+        for (std::size_t i = 0; i < radial.size(); ++i) {
+            const auto& fog = *fogs[i]->impl_;
+            radial[i].update(
+                fog_block(fog.facts, camera.eye, method.mu, seconds, limit),
+                radial_block(fog.facts, camera.eye, view, seconds, limit, radial[i].shape()),
+                fog.cells.name());
+        }
+    }
+
     void draw(const FrameTarget& frame, const Camera& camera, GLuint output, double seconds,
               bool colour) {
         if (!models) return draw_maps(frame, camera, output, seconds, colour);
@@ -170,6 +209,9 @@ struct FogPass::Impl {
     void draw_maps(const FrameTarget& frame, const Camera& camera, GLuint output, double seconds,
                    bool colour) {
         if (froxels) return froxels->draw(frame, camera, output, seconds, colour);
+        update_radial(frame, camera, seconds);
+        const bool shared_eye =
+            radial.empty() || camera.projection == Camera::Projection::perspective;
         const std::size_t count = std::max<std::size_t>(fogs.size(), 1);
         if (count > 1) make_partial_targets(frame.width, frame.height);
         const auto matrices = camera_matrices(camera, frame.width, frame.height);
@@ -184,7 +226,8 @@ struct FogPass::Impl {
         for (std::size_t i = 0; i < count; ++i) {
             const bool last = i + 1 == count;
             gl.BindFramebuffer(GL_FRAMEBUFFER, last ? output : partial[i % 2].framebuffer.name());
-            gl.UseProgram(last && colour ? last_colour.name() : add_tau[i].name());
+            const Programs& used = shared_eye ? programs : orthographic;
+            gl.UseProgram(last && colour ? used.last_colour.name() : used.add_tau[i].name());
             if (!fogs.empty()) {
                 const auto& fog = *fogs[i]->impl_;
                 upload(fog_uniforms, kFogBinding,
@@ -197,6 +240,10 @@ struct FogPass::Impl {
                 bind_texture(5, paper[i].bands.name());
                 bind_texture(6, paper[i].paths.name());
                 bind_texture(7, paper[i].partials.name());
+            }
+            if (i < radial.size()) {
+                gl.BindBufferBase(GL_UNIFORM_BUFFER, kRadialBinding, radial[i].uniforms());
+                bind_texture(8, radial[i].texture());
             }
             if (i > 0) bind_texture(4, partial[(i - 1) % 2].texture.name());
             gl.DrawArrays(GL_TRIANGLES, 0, 3);
@@ -218,7 +265,7 @@ Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fo
     if (method.kind == MethodKind::reference)
         return usage_error(
             "method reference runs on the CPU (class Reference); the fog pass draws "
-            "exact, paper, paper-scaling, march:N, froxel:XxYxZ or homogeneous");
+            "exact, radial, paper, paper-scaling, march:N, froxel:XxYxZ or homogeneous");
     auto impl = std::make_unique<Impl>(gl, std::move(fogs), method, fog_colour);
     if (!models.empty()) {
         auto pass = ModelPass::create(gl, std::move(models), !impl->fogs.empty(), fog_colour);
@@ -240,15 +287,22 @@ Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fo
             if (!textures) return tl::unexpected(textures.error());
             impl->paper.push_back(std::move(*textures));
         }
-    const std::size_t count = std::max<std::size_t>(impl->fogs.size(), 1);
-    for (std::size_t i = 0; i < count; ++i) {
-        auto program = impl->build(i, false);
-        if (!program) return tl::unexpected(program.error());
-        impl->add_tau.push_back(std::move(*program));
+    if (method.kind == MethodKind::radial)
+        for (const FogTextures* fog : impl->fogs) {
+            auto table = RadialTable::create(gl, fog->impl_->facts, method);
+            if (!table) return tl::unexpected(table.error());
+            impl->radial.push_back(std::move(*table));
+        }
+    auto programs = impl->build_all(method);
+    if (!programs) return tl::unexpected(programs.error());
+    impl->programs = std::move(*programs);
+    if (!impl->radial.empty()) {
+        Method exact = method;
+        exact.kind = MethodKind::exact;
+        programs = impl->build_all(exact);
+        if (!programs) return tl::unexpected(programs.error());
+        impl->orthographic = std::move(*programs);
     }
-    auto colour = impl->build(count - 1, true);
-    if (!colour) return tl::unexpected(colour.error());
-    impl->last_colour = std::move(*colour);
     impl->fog_uniforms =
         make_buffer(gl, GL_UNIFORM_BUFFER, sizeof(shader::FogBlock), nullptr, GL_DYNAMIC_DRAW);
     impl->view_uniforms =
@@ -262,15 +316,21 @@ Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fo
 std::size_t FogPass::bytes() const {
     std::size_t sum = impl_->froxels ? impl_->froxels->bytes() : 0;
     for (const auto& textures : impl_->paper) sum += textures.bytes;
+    for (const auto& table : impl_->radial) sum += table.shape().bytes();
     for (const FogTextures* fog : impl_->fogs) {
         const auto& facts = fog->impl_->facts;
         const std::size_t map = sizeof(float) * static_cast<std::size_t>(facts.width) *
                                 static_cast<std::size_t>(facts.height);
-        if (impl_->method.kind == MethodKind::exact) sum += fog->bytes() - map;
+        if (impl_->method.kind == MethodKind::exact || impl_->method.kind == MethodKind::radial)
+            sum += fog->bytes() - map;
         if (impl_->method.kind == MethodKind::march || impl_->method.kind == MethodKind::froxel)
             sum += map;
     }
     return sum;
+}
+
+void FogPass::forget() {
+    for (auto& table : impl_->radial) table.forget();
 }
 
 void FogPass::draw_colour(const FrameTarget& frame, const Camera& camera, GLuint output_framebuffer,

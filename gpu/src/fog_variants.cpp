@@ -9,6 +9,7 @@ namespace wavefog::shader {
 namespace {
 
 using Run = float (*)(Evaluation, const Ray&, int);
+using Fill = void (*)(int, int);
 
 namespace zero {
 #include "fog_variants_all.inc"
@@ -33,6 +34,12 @@ float evaluate(const Variant& v, Evaluation evaluation, const Ray& ray, int samp
     const auto& runs = v.repeat ? (v.skip ? repeat_skip::kRuns : repeat::kRuns)
                                 : (v.skip ? zero_skip::kRuns : zero::kRuns);
     return runs[v.degree][v.profile](evaluation, ray, samples);
+}
+
+void fill_radial(const Variant& v, int layers) {
+    const auto fill = (v.repeat ? repeat::kFills : zero::kFills)[v.degree][v.profile];
+    for (int layer = 0; layer < layers; ++layer)
+        for (int column = 0; column < radial.size.x; ++column) fill(column, layer);
 }
 
 }  // namespace wavefog::shader

@@ -11,7 +11,7 @@ struct Ray {
     float eta = 0, rise = 0, metres = 0, passed = 0, last = 1;
 };
 
-enum class Evaluation { exact, march, homogeneous, paper, paper_scaling };
+enum class Evaluation { exact, march, homogeneous, paper, paper_scaling, radial, radial_layered };
 
 /// The shader's defines: FOG_DEGREE, FOG_PROFILE, FOG_REPEAT, FOG_SKIP.
 struct Variant {
@@ -23,5 +23,8 @@ struct Variant {
 
 /// Optical depth of the ray with the uniforms of this thread.
 float evaluate(const Variant& variant, Evaluation evaluation, const Ray& ray, int samples);
+
+/// Fills radial_image, `layers` tables one below the other. Not for a variant with `skip`.
+void fill_radial(const Variant& variant, int layers);
 
 }  // namespace wavefog::shader

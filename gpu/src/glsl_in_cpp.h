@@ -34,11 +34,15 @@ struct sampler2D {
     int width = 0, height = 0, channels = 1;
     bool repeat = false;
     bool linear = false;
+    bool edge = false;  ///< GL_CLAMP_TO_EDGE instead of a zero border
 
     float at(int x, int y, int c) const {
         if (repeat) {
             x = ((x % width) + width) % width;
             y = ((y % height) + height) % height;
+        } else if (edge) {
+            x = glm::clamp(x, 0, width - 1);
+            y = glm::clamp(y, 0, height - 1);
         } else if (x < 0 || y < 0 || x >= width || y >= height) {
             return 0;
         }
@@ -55,19 +59,20 @@ inline vec4 texelFetch(const sampler2D& s, ivec2 p, int) {
     return texel;
 }
 
-/// GL_LINEAR or GL_NEAREST with a zero border or GL_REPEAT; first channel only.
+/// GL_LINEAR or GL_NEAREST.
 inline vec4 texture(const sampler2D& s, vec2 p) {
     const float x = p.x * static_cast<float>(s.width), y = p.y * static_cast<float>(s.height);
-    if (!s.linear) {
-        return vec4(s.at(static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y)), 0), 0, 0,
-                    1);
-    }
+    if (!s.linear)
+        return texelFetch(s, ivec2(static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y))),
+                          0);
     const float fx = std::floor(x - 0.5f), fy = std::floor(y - 0.5f);
     const float u = x - 0.5f - fx, v = y - 0.5f - fy;
     const int i = static_cast<int>(fx), j = static_cast<int>(fy);
-    const float low = (1 - u) * s.at(i, j, 0) + u * s.at(i + 1, j, 0);
-    const float high = (1 - u) * s.at(i, j + 1, 0) + u * s.at(i + 1, j + 1, 0);
-    return vec4((1 - v) * low + v * high, 0, 0, 1);
+    const vec4 low =
+        (1 - u) * texelFetch(s, ivec2(i, j), 0) + u * texelFetch(s, ivec2(i + 1, j), 0);
+    const vec4 high =
+        (1 - u) * texelFetch(s, ivec2(i, j + 1), 0) + u * texelFetch(s, ivec2(i + 1, j + 1), 0);
+    return (1 - v) * low + v * high;
 }
 
 /// The shader's uniforms: one set a thread.
@@ -79,5 +84,14 @@ inline thread_local PaperBlock paper;
 inline thread_local sampler2D paper_bands;
 inline thread_local sampler2D paper_paths;
 inline thread_local sampler2D paper_partials;
+inline thread_local RadialBlock radial;
+inline thread_local sampler2D radial_table;
+/// Of the table that radial_fill() writes: three floats a texel, as wide as radial_image_width.
+inline thread_local vec3* radial_image;
+inline thread_local int radial_image_width;
+
+inline void radial_store(int column, int row, vec3 means) {
+    radial_image[row * radial_image_width + column] = means;
+}
 
 }  // namespace wavefog::shader

@@ -2,14 +2,31 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <mutex>
 #include <optional>
 
 #include "fog_uniforms.h"
 #include "fog_variants.h"
 #include "paper_data.h"
+#include "radial_block.h"
 #include "wavefog/gpu/fog_pass.h"
 
 namespace wavefog {
+
+namespace {
+
+// Rays have no far plane here; in repeated fog the table ends after some periods anyway.
+constexpr double kRadialReach = 1e6;
+
+/// The table of method radial around one eye, every azimuth of it.
+struct RadialOnCpu {
+    Eigen::Vector3d eye;
+    shader::RadialBlock block;
+    std::vector<glm::vec3> texels;
+};
+
+}  // namespace
 
 struct ShaderOnCpu::Impl {
     CellAtlas atlas;
@@ -17,6 +34,15 @@ struct ShaderOnCpu::Impl {
     FogFacts facts;
     Method method;
     std::optional<PaperData> paper;
+    RadialShape radial_shape;
+    std::mutex radial_mutex;
+    std::shared_ptr<const RadialOnCpu> radial;  ///< of the last eye
+
+    shader::Variant variant() const {
+        return {facts.degree, profile_number(facts.profile), facts.boundary == Boundary::repeat,
+                facts.skip};
+    }
+    std::shared_ptr<const RadialOnCpu> radial_around(const Eigen::Vector3d& eye);
 };
 
 namespace {
@@ -61,8 +87,8 @@ ShaderOnCpu::ShaderOnCpu(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Result<ShaderOnCpu> ShaderOnCpu::create(const Fog& fog, const Method& method) {
     if (method.kind == MethodKind::reference || method.kind == MethodKind::froxel)
         return usage_error("method " + method.name() +
-                           ": has no shader for single rays; choose exact, paper, paper-scaling, "
-                           "march:N or homogeneous");
+                           ": has no shader for single rays; choose exact, radial, paper, "
+                           "paper-scaling, march:N or homogeneous");
     if (auto drawable = check_drawable(fog); !drawable) return tl::unexpected(drawable.error());
     auto impl = std::make_unique<Impl>();
     const auto pyramid = approximations(fog.decomposition);
@@ -76,11 +102,30 @@ Result<ShaderOnCpu> ShaderOnCpu::create(const Fog& fog, const Method& method) {
         impl->paper = std::move(*data);
         impl->facts.skip = false;
     }
+    if (method.kind == MethodKind::radial) {
+        impl->facts.skip = false;
+        impl->radial_shape = radial_shape(impl->facts, method);
+    }
     return ShaderOnCpu(std::move(impl));
 }
 ShaderOnCpu::ShaderOnCpu(ShaderOnCpu&&) noexcept = default;
 ShaderOnCpu& ShaderOnCpu::operator=(ShaderOnCpu&&) noexcept = default;
 ShaderOnCpu::~ShaderOnCpu() = default;
+
+std::shared_ptr<const RadialOnCpu> ShaderOnCpu::Impl::radial_around(const Eigen::Vector3d& eye) {
+    const std::lock_guard lock(radial_mutex);
+    if (radial && radial->eye == eye) return radial;
+    auto table = std::make_shared<RadialOnCpu>();
+    table->eye = eye;
+    table->block = radial_block(facts, eye, {}, 0, kRadialReach, radial_shape);
+    table->texels.resize(static_cast<std::size_t>(radial_shape.columns) *
+                         static_cast<std::size_t>(radial_shape.rows * radial_shape.layers));
+    shader::radial = table->block;
+    shader::radial_image = table->texels.data();
+    shader::radial_image_width = radial_shape.columns;
+    shader::fill_radial(variant(), radial_shape.layers);
+    return radial = table;
+}
 
 double ShaderOnCpu::optical_depth(const Eigen::Vector3d& o, const Eigen::Vector3d& p) const {
     const auto& fog = impl_->facts;
@@ -88,8 +133,10 @@ double ShaderOnCpu::optical_depth(const Eigen::Vector3d& o, const Eigen::Vector3
     const double metres = path.norm();
     if (metres == 0) return 0;
 
-    const double entry =
-        impl_->method.kind == MethodKind::homogeneous ? 0 : fog_entry(fog, o, path);
+    // Rays of homogeneous know no map, those of radial are counted from the eye.
+    const MethodKind kind = impl_->method.kind;
+    const bool whole = kind == MethodKind::homogeneous || kind == MethodKind::radial;
+    const double entry = whole ? 0 : fog_entry(fog, o, path);
     if (entry >= 1) return 0;
     namespace s = shader;
     s::fog = fog_block(fog, o + entry * path, impl_->method.mu, 0, 0);
@@ -124,6 +171,10 @@ double ShaderOnCpu::optical_depth(const Eigen::Vector3d& o, const Eigen::Vector3
         case MethodKind::paper_scaling:
             evaluation = s::Evaluation::paper_scaling;
             break;
+        case MethodKind::radial:
+            evaluation = impl_->radial_shape.layers > 1 ? s::Evaluation::radial_layered
+                                                        : s::Evaluation::radial;
+            break;
         default:
             break;
     }
@@ -139,9 +190,20 @@ double ShaderOnCpu::optical_depth(const Eigen::Vector3d& o, const Eigen::Vector3
         s::paper_partials =
             sampler(data.table.partial.rgba, data.table.partial.width, data.table.partial.height);
     }
-    return s::evaluate(
-        {fog.degree, profile_number(fog.profile), fog.boundary == Boundary::repeat, fog.skip},
-        evaluation, ray, impl_->method.samples);
+    std::shared_ptr<const RadialOnCpu> table;
+    if (kind == MethodKind::radial) {
+        table = impl_->radial_around(o);
+        const auto& shape = impl_->radial_shape;
+        s::radial = table->block;
+        s::radial_table = {&table->texels.front().x,
+                           shape.columns,
+                           shape.rows * shape.layers,
+                           3,
+                           false,
+                           true,
+                           true};
+    }
+    return s::evaluate(impl_->variant(), evaluation, ray, impl_->method.samples);
 }
 
 }  // namespace wavefog

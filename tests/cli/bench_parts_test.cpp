@@ -14,6 +14,7 @@
 #include "bench/provenance.h"
 #include "bench/readme.h"
 #include "bench/results.h"
+#include "bench/scale.h"
 #include "bench/table_text.h"
 #include "bench/variant.h"
 #include "gpu/gl_support.h"
@@ -281,4 +282,59 @@ TEST_CASE("bench: data files are named with their SHA-256") {
     CHECK(files[3] == folder.file("maps/a.png"));
     CHECK(is_software("llvmpipe (LLVM 15.0.6, 256 bits)"));
     CHECK(!is_software("NVIDIA H200"));
+}
+
+TEST_CASE("bench scale: maps of any size, mirrored where they have too few pixels") {
+    Grid<float> map(2, 3);
+    map << 1, 2, 3, 4, 5, 6;
+    const Grid<float> large = sized_map(map, 6);
+    CHECK(large.rows() == 6);
+    CHECK(large.cols() == 6);
+    const float first[] = {1, 2, 3, 3, 2, 1}, third[] = {4, 5, 6, 6, 5, 4};
+    for (int i = 0; i < 6; ++i) {
+        CHECK(large(0, i) == first[i]);
+        CHECK(large(2, i) == third[i]);  // mirrored: rows 0 1 1 0 0 1
+        CHECK(large(3, i) == first[i]);
+    }
+    // A smaller map keeps the mean.
+    const Grid<float> small = sized_map(large, 3);
+    CHECK(small.rows() == 3);
+    CHECK(small.mean() == doctest::Approx(3.5));
+}
+
+TEST_CASE("bench scale: five cameras a scene, and the worst error of all in the table") {
+    BenchScene scene{"hill", {"a.png"}, {}};
+    scene.scene.camera.eye = {0, 10, 50};
+    scene.scene.camera.target = {0, 5, 0};
+    const auto all = scale_scenes({scene, scene});
+    REQUIRE(all.size() == 10);
+    CHECK(all[0].name == "hill");
+    CHECK(all[0].scene.camera.eye == scene.scene.camera.eye);
+    for (std::size_t i = 0; i < 5; ++i) {
+        const Camera& camera = all[i].scene.camera;
+        const Eigen::Vector3d view = (camera.target - camera.eye).normalized();
+        CHECK(view.cross(camera.up.normalized()).norm() > 0.1);  // a camera that can be drawn
+        CHECK((camera.target - camera.eye).norm() > 1);
+    }
+    const Camera& down = all[2].scene.camera;
+    CHECK((down.target - down.eye).normalized().y() == doctest::Approx(-1));
+
+    std::vector<Row> rows = {row("exact", 20, 1e-7), row("exact", 30, 3e-7),
+                             row("exact", 10, 2e-7)};
+    rows[1].scene = "hill, down";
+    const std::string text = scale_table_text(rows, false);
+    CHECK(text.find("800 wide, 64², exact") != std::string::npos);
+    CHECK(text.find("10.0") != std::string::npos);     // the median of 10, 15 and 5
+    CHECK(text.find("15.0") != std::string::npos);     // the worst
+    CHECK(text.find("3.0e-07") != std::string::npos);  // the worst error
+}
+
+TEST_CASE("bench: errors may be measured in a part of the pixels") {
+    Image image{5, 3, 2, {}};
+    for (int i = 0; i < 30; ++i) image.pixels.push_back(float(i));
+    const Image sparse = every_nth(image, 2);
+    CHECK(sparse.width == 3);
+    CHECK(sparse.height == 2);
+    CHECK(sparse.at(2, 1, 1) == image.at(4, 2, 1));
+    CHECK(every_nth(image, 1).pixels == image.pixels);
 }

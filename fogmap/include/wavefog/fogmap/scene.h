@@ -52,7 +52,16 @@ struct MeshInstance {
 };
 
 /// Ways to evaluate the optical depth of the wavelet fog, and the baselines (design.md section 1).
-enum class MethodKind { reference, exact, paper, paper_scaling, march, froxel, homogeneous };
+enum class MethodKind {
+    reference,
+    exact,
+    radial,
+    paper,
+    paper_scaling,
+    march,
+    froxel,
+    homogeneous
+};
 
 struct Method {
     MethodKind kind = MethodKind::exact;
@@ -62,6 +71,7 @@ struct Method {
     int table = 0;
     PathLayout layout = PathLayout::mean;
     int froxels[3] = {160, 90, 64};  ///< froxel:XxYxZ
+    int radial[2] = {0, 0};          ///< radial[:AZIMUTHSxROWS]; 0: chosen for fog and picture
     double mu = 1;                   ///< [0,1], paper 004 eq. 12
     std::string name() const;
 };

@@ -27,7 +27,9 @@ class FogTextures {
 };
 
 /// Draws one or more fogs over a frame with one method. MethodKind::reference is not a GPU method;
-/// froxel is the volume that engines ship, without their temporal filter (a still frame).
+/// froxel is the volume that engines ship, without their temporal filter (a still frame). radial fills
+/// its table when eye, view, fog or size changed; an orthographic camera, whose rays do not share the
+/// eye, gets exact instead.
 class FogPass {
   public:
     /// Compiles the programs that `method` needs for these fogs (they stay the caller's). `models`
@@ -46,6 +48,9 @@ class FogPass {
     void draw_optical_depth(const FrameTarget& frame, const Camera& camera, GLuint output_framebuffer,
                             double seconds = 0);
 
+    /// Drops what was kept from the frame before (the tables of method radial), as a moved eye does.
+    void forget();
+
     /// Textures on the GPU that this method reads: of its fogs, and its own.
     std::size_t bytes() const;
 
@@ -56,7 +61,9 @@ class FogPass {
 };
 
 /// The fog shader compiled as C++ (the same GLSL text through GLM), in float32, for one fog: what
-/// `probe` prints and what the CPU tests check. Not for reference and froxel.
+/// `probe` prints and what the CPU tests check. Not for reference and froxel. Method radial builds its
+/// table around each new O, every azimuth of it, and keeps the last one: ask for rays of one eye
+/// together.
 class ShaderOnCpu {
   public:
     static Result<ShaderOnCpu> create(const Fog& fog, const Method& method);

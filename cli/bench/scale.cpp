@@ -1,0 +1,133 @@
+#include "bench/scale.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <map>
+#include <numbers>
+#include <tuple>
+
+#include "bench/table_text.h"
+#include "wavefog/gpu/timer.h"
+
+namespace wavefog::cli {
+namespace {
+
+constexpr int kMapSizes[] = {64, 256, 1024, 4096};
+constexpr Size kFullHd = {1920, 1080};
+// The truth of a pixel walks through every cell; one of 16 pixels says enough.
+constexpr int kStride = 4;
+
+constexpr const char* kCameras[] = {"", ", above", ", down", ", pitched", ", rolled"};
+
+Camera camera_case(Camera camera, int index) {
+    const Eigen::Vector3d view = camera.target - camera.eye;
+    const double distance = view.norm();
+    const double degree = std::numbers::pi / 180;
+    switch (index) {
+        case 1:
+            camera.eye.y() += distance;
+            break;
+        case 2:
+            camera.eye.y() += distance;
+            camera.target = camera.eye - Eigen::Vector3d(0, distance, 0);
+            camera.up = Eigen::Vector3d(view.x(), 0, view.z());
+            break;
+        case 3: {
+            const Eigen::Vector3d side = view.cross(camera.up).normalized();
+            camera.target = camera.eye + Eigen::AngleAxisd(25 * degree, side) * view;
+            break;
+        }
+        case 4:
+            camera.up = Eigen::AngleAxisd(30 * degree, view.normalized()) * camera.up;
+            break;
+        default:
+            break;
+    }
+    return camera;
+}
+
+}  // namespace
+
+std::vector<BenchScene> scale_scenes(const std::vector<BenchScene>& scenes) {
+    std::vector<BenchScene> all;
+    for (const BenchScene& scene : scenes)
+        for (int i = 0; i < int(std::size(kCameras)); ++i) {
+            all.push_back(scene);
+            all.back().name += kCameras[i];
+            all.back().scene.camera = camera_case(scene.scene.camera, i);
+        }
+    return all;
+}
+
+Result<std::vector<Group>> plan_scale(const std::vector<BenchScene>& scenes, const Size& size,
+                                      const std::vector<Method>& methods,
+                                      const std::vector<double>& mus) {
+    std::vector<Group> groups;
+    for (const int map_size : kMapSizes)
+        for (std::size_t i = 0; i < scenes.size(); ++i) {
+            VariantOptions wanted;
+            wanted.map_size = map_size;
+            Result<Variant> variant = make_variant(scenes[i], wanted);
+            if (!variant) return tl::unexpected(variant.error());
+            const bool own_camera = i % std::size(kCameras) == 0;
+            for (const Size& picture : {size, kFullHd}) {
+                if (picture.width == kFullHd.width && !own_camera) continue;
+                Group group;
+                group.name = fmt::format("{}, {}x{}, {}x{}", scenes[i].name, map_size, map_size,
+                                         picture.width, picture.height);
+                group.scene = i;
+                group.size = picture;
+                group.stride = kStride;
+                group.variants.push_back(*variant);
+                for (Method method : methods)
+                    for (const double mu : mus) {
+                        method.mu = mu;
+                        if (mu == 1 || method.kind == MethodKind::exact)
+                            group.cases.push_back({0, method});
+                    }
+                groups.push_back(std::move(group));
+            }
+        }
+    return groups;
+}
+
+std::string scale_table_text(const std::vector<Row>& rows, bool markdown) {
+    struct Cell {
+        Samples ratio, ms;
+        double max_dT = 0, p99_dT = 0;
+        std::size_t bytes = 0;
+        int cases = 0;
+    };
+    // In the order of first appearance within a picture size and a map size.
+    std::vector<std::string> methods;
+    std::map<std::tuple<int, int, std::size_t>, Cell> cells;
+    for (const Row& row : rows) {
+        if (!row.ratio_homogeneous || !row.max_dT) continue;
+        std::string name = row.method;
+        if (row.mu < 1) name += fmt::format(", μ {}", row.mu);
+        auto found = std::find(methods.begin(), methods.end(), name);
+        if (found == methods.end()) found = methods.insert(methods.end(), name);
+        Cell& cell = cells[{row.width, row.map_width, std::size_t(found - methods.begin())}];
+        cell.ratio.add(*row.ratio_homogeneous);
+        cell.ms.add(*row.ms_median);
+        cell.max_dT = std::max(cell.max_dT, *row.max_dT);
+        cell.p99_dT = std::max(cell.p99_dT, row.p99_dT.value_or(0));
+        cell.bytes = std::max(cell.bytes, row.bytes.value_or(0));
+        ++cell.cases;
+    }
+    Table table({"picture, map, method", "cases", "× homogeneous", "worst ×", "ms", "max |ΔT|",
+                 "99 % |ΔT|", "KiB"});
+    for (const auto& [key, cell] : cells) {
+        const auto& [width, map, method] = key;
+        table.add({fmt::format("{} wide, {}², {}", width, map, methods[method]),
+                   std::to_string(cell.cases), short_number(cell.ratio.median()),
+                   short_number(cell.ratio.percentile(100)), short_number(cell.ms.median()),
+                   error_number(cell.max_dT), error_number(cell.p99_dT),
+                   fmt::format("{:.0f}", double(cell.bytes) / 1024)});
+    }
+    return table.text(markdown);
+}
+
+}  // namespace wavefog::cli

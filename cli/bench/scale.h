@@ -1,0 +1,24 @@
+// How cost and error grow with the map: maps of 64x64 to 4096x4096 from several cameras.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bench/measure.h"
+
+namespace wavefog::cli {
+
+/// Each scene five times: from its camera, from above, straight down, pitched and rolled.
+std::vector<BenchScene> scale_scenes(const std::vector<BenchScene>& scenes);
+
+/// The first fog of each of those scenes at every map size; `methods` empty: exact, radial, march.
+/// From the scene's own camera also at 1920x1080.
+Result<std::vector<Group>> plan_scale(const std::vector<BenchScene>& scenes, const Size& size,
+                                      const std::vector<Method>& methods,
+                                      const std::vector<double>& mus);
+
+/// A row a picture size, map size and method: medians over scenes and cameras of the cost relative
+/// to `homogeneous`, and the worst error of all.
+std::string scale_table_text(const std::vector<Row>& rows, bool markdown);
+
+}  // namespace wavefog::cli

@@ -1,0 +1,201 @@
+// Method radial: a table of the fog around the eye, and its look-up. Compiles as GLSL and as C++.
+//
+// All rays of a frame start at the eye and the fog does not vary with y inside a height profile, so
+// that the integral along a ray depends on its azimuth and its horizontal length r alone. Column i
+// of the table is an azimuth, row j a horizontal distance L from `radial.radius.x` on; its channels
+// are the n-fold integrals of the density along the azimuth,
+//   A_n(L) = integral of rho(x) (L - x)^(n-1) / (n-1)! over x in [0, L],
+// as means m_n = n! A_n / L^n, which stay finite at L = 0 and are interpolated linearly. A height
+// profile that is a spline in eta is integrated by parts: only its ends, and the jumps of its
+// derivatives at its knots, need a look-up.
+//
+// With RADIAL_LAYERED (0 < mu < 1) there is a table for every level l, of the approximation that
+// holds the levels 0..l, one below the other: level l serves between |OP| mu^(l+1) and |OP| mu^l
+// (paper 004, eq. 12).
+//
+// Azimuths are counted without an angle: s / (f^2 + bend s^2) f for an offset f along `radial.axis`
+// and s across it. With bend 0 it is the tangent, and the columns of a level camera are pixel
+// columns; with 0.28 it is within 1 % of the angle up to 45 degrees, and a wide view counts from the
+// nearest of four axes.
+
+// The largest n.
+#if FOG_PROFILE == FOG_EXPONENTIAL
+#define RADIAL_ORDER 3
+#elif FOG_PROFILE == FOG_LINEAR
+#define RADIAL_ORDER 2
+#else
+#define RADIAL_ORDER 1
+#endif
+
+// Integrals up to a point, a, and those of the next d metres alone, b: up to the end of b.
+vec3 radial_join(vec3 a, vec3 b, float d) {
+    vec3 sum = a + b;
+#if RADIAL_ORDER >= 2
+    sum.y += d * a.x;
+#endif
+#if RADIAL_ORDER >= 3
+    sum.z += d * (a.y + d * (1.0f / 2.0f) * a.x);
+#endif
+    return sum;
+}
+
+// Horizontal vector (world x, z) of an azimuth coordinate: the inverse of radial_coordinate.
+vec2 radial_direction(float a) {
+    float bend = radial.axis.z;
+    float quarter = 2.0f / (1.0f + bend);
+    float turns = radial.axis.w != 0.0f ? floor(a / quarter + 0.5f) : 0.0f;
+    float q = a - turns * quarter;
+    float s = 2.0f * q / (1.0f + sqrt(max(1.0f - 4.0f * bend * q * q, 0.0f)));
+    vec2 axis = vec2(radial.axis.x, radial.axis.y);
+    axis = turns == 0.0f    ? axis
+           : turns == 1.0f  ? vec2(-axis.y, axis.x)
+           : turns == -1.0f ? vec2(axis.y, -axis.x)
+                            : -axis;
+    return axis + vec2(-axis.y, axis.x) * s;
+}
+
+// Azimuth coordinate of a horizontal offset from the eye, in any unit.
+float radial_coordinate(vec2 offset) {
+    float bend = radial.axis.z;
+    float f = dot(offset, vec2(radial.axis.x, radial.axis.y));
+    float s = dot(offset, vec2(-radial.axis.y, radial.axis.x));
+    float product = s * f;
+    float ff = f * f;
+    float ss = s * s;
+    float turns = 0.0f;
+    if (radial.axis.w != 0.0f) {
+        // The nearest of four axes; `turns` from the first, in quarters.
+        bool side = ss > ff;
+        turns = side ? 1.0f : f < 0.0f ? 2.0f : 0.0f;
+        turns = s < 0.0f ? -turns : turns;
+        product = side ? -product : product;
+        float swapped = ff;
+        ff = side ? ss : ff;
+        ss = side ? swapped : ss;
+    }
+    return product / max(ff + bend * ss, 1.0e-30f) + turns * (2.0f / (1.0f + bend));
+}
+
+// Where a ray looks its integrals up.
+struct RadialPlace {
+    float r;  // horizontal length of the ray, m
+    float u;  // texture u of its azimuth
+    float v;  // what a level adds to texture v
+};
+
+// A_n from the eye to the fraction t of a ray, per unit of t: times the ray's length they are
+// integrals along the ray.
+vec3 radial_integrals(RadialPlace place, float t) {
+    float beyond = max(place.r * t - radial.radius.x, 0.0f);
+    float along = min(beyond, radial.radius.y);
+    float v = radial.rows.z + radial.rows.w * sqrt(along + radial.radius.z) + place.v;
+    vec4 means = texture(radial_table, vec2(place.u, v));
+#ifdef FOG_REPEAT
+    // After many periods the means stay.
+    along = beyond;
+#endif
+    float w = along / place.r;
+#if RADIAL_ORDER == 1
+    return vec3(means.x * w, 0.0f, 0.0f);
+#else
+    float w2 = (1.0f / 2.0f) * w * w;
+    vec3 sum = vec3(means.x * w, means.y * w2, means.z * (1.0f / 3.0f) * w * w2);
+    return radial_join(sum, vec3(0.0f), (beyond - along) / place.r);
+#endif
+}
+
+#if FOG_PROFILE == FOG_EXPONENTIAL
+// exp(-x) as a quadratic spline with knots every RADIAL_KNOT and without kinks: in piece i, one
+// quadratic of x - i RADIAL_KNOT times exp(-i RADIAL_KNOT). It is within 0.28 % of exp(-x). (Cubic
+// pieces may be 1.25 long, but seen from 20 scale heights above they multiply the table's error by
+// 3.)
+#define RADIAL_KNOT 0.7f
+#define RADIAL_PIECE vec3(0.999197853f, -0.960302062f, 0.345307265f)
+// A ray counts up to this height over its lowest point, where the profile is down to 9e-4 of its
+// value there.
+#define RADIAL_TOP 7.0f
+
+// The spline's piece i at x, and its derivatives.
+vec3 radial_profile(float x, float i) {
+    vec3 c = RADIAL_PIECE;
+    float y = x - RADIAL_KNOT * i;
+    return exp(-RADIAL_KNOT * i) * vec3(c.x + y * (c.y + y * c.z), c.y + 2.0f * y * c.z, 2.0f * c.z);
+}
+
+// Integral of density times profile over t in [0, end]. Integrated by parts twice, what is left is A_3
+// at the knots, times the jumps of the second derivative.
+float radial_exponential(RadialPlace place, float eta, float rise, float end) {
+#ifndef FOG_REPEAT
+    // Behind the last row there is no fog.
+    end = min((radial.radius.x + radial.radius.y) / place.r, end);
+#endif
+    float top = eta + rise * end;
+    float low = max(min(eta, top), 0.0f);  // eta of the lowest point above the base
+    float base = rise == 0.0f ? (eta < 0.0f ? end : 0.0f) : clamp(-eta / rise, 0.0f, end);
+    // The ray is above the base from its lowest point `foot` on (rising) or up to it (falling).
+    bool rising = rise >= 0.0f;
+    float foot = rising || top < 0.0f ? base : end;
+    float steep = abs(rise);
+    float reach = min(rising ? end - foot : foot, RADIAL_TOP / max(steep, 1.0e-20f));
+    float head = rising ? foot + reach : foot - reach;
+    float extent = steep * reach;
+    float pieces = max(ceil(extent * (1.0f / RADIAL_KNOT)) - 1.0f, 0.0f);
+
+    vec3 at_foot = radial_integrals(place, foot);
+    vec3 at_head = radial_integrals(place, head);
+    vec3 powers = vec3(1.0f, -rise, rise * rise);
+    float sum = dot(powers * radial_profile(extent, pieces), at_head) -
+                dot(powers * radial_profile(0.0f, 0.0f), at_foot);
+    vec3 c = RADIAL_PIECE;
+    float kick = rise * rise * 2.0f * c.z * (exp(RADIAL_KNOT) - 1.0f);
+    float per_knot = RADIAL_KNOT / (rise == 0.0f ? 1.0f : rise);
+    for (float i = 1.0f; i <= pieces; i += 1.0f) {
+        sum += kick * exp(-RADIAL_KNOT * i) * radial_integrals(place, foot + i * per_knot).z;
+    }
+    // Below the base the profile is 1.
+    float below = rising ? at_foot.x : radial_integrals(place, end).x - at_foot.x;
+    return (rising ? sum : -sum) * exp(-low) + below;
+}
+#endif
+
+// Integral of density times profile over t in [0, end].
+float radial_integral(RadialPlace place, float eta, float rise, float end) {
+#if FOG_PROFILE == FOG_UNIFORM
+    return radial_integrals(place, end).x;
+#elif FOG_PROFILE == FOG_EXPONENTIAL
+    return radial_exponential(place, eta, rise, end);
+#else
+    vec2 range = fog_clip_axis(vec2(0.0f, end), eta, rise, 0.0f, 1.0f);
+    range.y = max(range.x, range.y);
+    vec3 part = radial_integrals(place, range.y) - radial_integrals(place, range.x);
+#if FOG_PROFILE == FOG_SLAB
+    return part.x;
+#else
+    return clamp(1.0f - eta - rise * end, 0.0f, 1.0f) * radial_integrals(place, end).x + rise * part.y;
+#endif
+#endif
+}
+
+// Optical depth of a ray from the eye.
+float fog_radial(FogRay ray) {
+    vec2 offset = ray.slope * vec2(radial.cell.x, radial.cell.y);
+    RadialPlace place;
+    place.r = max(length(offset), 1.0e-20f);
+    place.u = clamp(radial.azimuth.z + radial.azimuth.w * radial_coordinate(offset), radial.edge.x,
+                    radial.edge.y);
+    place.v = 0.0f;
+#ifdef RADIAL_LAYERED
+    float whole = ray.sky ? max(fog_clip(ray).y, 0.0f) : ray.last;
+    float sum = 0.0f;
+    for (int l = 0; l <= fog.base.z; ++l) {
+        place.v = radial.edge.z * float(l);
+        sum += radial_integral(place, ray.eta, ray.rise, whole * fog.reach[l].x);
+        if (l < fog.base.z) {
+            sum -= radial_integral(place, ray.eta, ray.rise, whole * fog.reach[l + 1].x);
+        }
+    }
+#else
+    float sum = radial_integral(place, ray.eta, ray.rise, 1.0f);
+#endif
+    return fog.scale.w * ray.metres * max(sum, 0.0f);
+}

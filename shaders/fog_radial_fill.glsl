@@ -1,0 +1,113 @@
+// Filling the table of method radial (fog_radial.glsl). Compiles as GLSL and as C++; the includer
+// defines radial_store(column, row, means).
+
+// A_n over the first d metres of a line whose s counts metres.
+vec3 radial_step(FogLine line, float d) {
+    vec3 sum = vec3(d * (line.s0 + d * ((1.0f / 2.0f) * line.s1 + d * (1.0f / 3.0f) * line.s2)), 0.0f,
+                    0.0f);
+#if FOG_DEGREE == 2
+    float d4 = (d * d) * (d * d);
+    sum.x += d4 * ((1.0f / 4.0f) * line.s3 + d * (1.0f / 5.0f) * line.s4);
+#endif
+#if RADIAL_ORDER >= 2
+    float d2 = d * d;
+    sum.y = d2 * ((1.0f / 2.0f) * line.s0 +
+                  d * ((1.0f / 6.0f) * line.s1 + d * (1.0f / 12.0f) * line.s2));
+#if FOG_DEGREE == 2
+    sum.y += d * d4 * ((1.0f / 20.0f) * line.s3 + d * (1.0f / 30.0f) * line.s4);
+#endif
+#endif
+#if RADIAL_ORDER >= 3
+    sum.z = d * d2 * ((1.0f / 6.0f) * line.s0 +
+                      d * ((1.0f / 24.0f) * line.s1 + d * (1.0f / 60.0f) * line.s2));
+#if FOG_DEGREE == 2
+    sum.z += d2 * d4 * ((1.0f / 120.0f) * line.s3 + d * (1.0f / 210.0f) * line.s4);
+#endif
+#endif
+    // Approximations of degree >= 1 can be negative: a step that is, counts as empty.
+    return sum.x > 0.0f ? sum : vec3(0.0f);
+}
+
+// Fills one column of the table of levels 0..finest by walking outwards. `first` is its first row.
+void radial_fill(int column, int first, int finest) {
+    vec2 direction = radial_direction(radial.azimuth.x + radial.azimuth.y * float(column));
+    vec2 slope = direction * (1.0f / length(direction)) * vec2(fog.scale.x, fog.scale.y);
+    float start = radial.radius.x;
+    vec2 inside = vec2(start, start + radial.radius.y);
+#ifndef FOG_REPEAT
+    vec2 low = -vec2(float(fog.base.x), float(fog.base.y));
+    vec2 high = low + vec2(float(fog.size.x), float(fog.size.y));
+    inside = fog_clip_axis(inside, fog.eye.x, slope.x, low.x, high.x);
+    inside = fog_clip_axis(inside, fog.eye.y, slope.y, low.y, high.y);
+#endif
+    inside.x = min(inside.x, start + radial.radius.y);
+    inside.y = max(inside.x, inside.y);
+
+    vec2 origin = vec2(fog.eye.x, fog.eye.y);
+    float at = start;
+    // Uniforms read inside the loop would be read anew each time.
+    float per_row = radial.rows.x;
+    float root0 = 2.0f * radial.radius.w;
+#if FOG_PROFILE == FOG_UNIFORM
+    float enough = radial.stop.x;
+#endif
+    vec3 reached = vec3(0.0f);
+    int row = 0;
+    for (int l = finest; l >= 0; --l) {
+        int end = radial.level[l].x;
+        if (row >= end) {
+            continue;
+        }
+        ivec4 level = fog.level[l];
+        FogGrid grid = fog_grid(origin, slope, l);
+        float twist = grid.g.x * grid.g.y;
+        float t = clamp(at, inside.x, inside.y);
+        // On a face, the cell that the ray goes into.
+        vec2 point = grid.o + grid.g * t;
+        vec2 k = vec2(grid.g.x < 0.0f ? ceil(point.x) - 1.0f : floor(point.x),
+                      grid.g.y < 0.0f ? ceil(point.y) - 1.0f : floor(point.y));
+        FogLine line = fog_line(fog_fetch(level, k + grid.first), point - k, grid.g, twist);
+        if (row == 0) {
+            // Every mean begins with the density where the walk begins.
+            float density = inside.x == start && inside.y > start ? max(line.s0, 0.0f) : 0.0f;
+            radial_store(column, first, vec3(density));
+            row = 1;
+        }
+        vec2 cross = (k + grid.face) * grid.per_cell;
+        float next = max(min(cross.x, cross.y), t);
+        vec3 sum = reached;
+        for (; row < end; ++row) {
+            float root = per_row * float(row);
+            float along = root * (root + root0);
+            float to = start + along;
+            float until = clamp(to, inside.x, inside.y);
+            // Whole cells up to the row, then a part of one; `sum` and t stay at the cell's entry.
+            while (next < until) {
+                float d = next - t;
+                sum = radial_join(sum, radial_step(line, d), d);
+                k = vec2(cross.x <= next ? k.x + grid.forward.x : k.x,
+                         cross.y <= next ? k.y + grid.forward.y : k.y);
+                t = next;
+                line = fog_line(fog_fetch(level, k + grid.first), grid.o + grid.g * t - k, grid.g, twist);
+                cross = (k + grid.face) * grid.per_cell;
+                next = max(min(cross.x, cross.y), t);
+            }
+            float d = max(until - t, 0.0f);
+            reached = radial_join(sum, radial_step(line, d), d);
+            vec3 here = reached;
+#if RADIAL_ORDER > 1
+            // Behind the map the higher integrals still grow. (Before it all are 0.)
+            here = radial_join(here, vec3(0.0f), to - max(until, start));
+#endif
+#if FOG_PROFILE == FOG_UNIFORM
+            // No ray is shorter than its horizontal part: nothing is seen through this much fog.
+            inside.y = here.x > enough ? to : inside.y;
+#endif
+            at = to;
+            float per_length = 1.0f / along;
+            radial_store(column, first + row,
+                         here * vec3(1.0f, 2.0f * per_length, 6.0f * per_length * per_length) *
+                             per_length);
+        }
+    }
+}

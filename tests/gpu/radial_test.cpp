@@ -1,0 +1,121 @@
+// Method radial on the CPU: the shader's own text, against the reference in double.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "fogmap/fog_support.h"
+#include "wavefog/fogmap/reference.h"
+#include "wavefog/gpu/fog_pass.h"
+
+using namespace wavefog;
+using namespace wavefog::test;
+
+namespace {
+
+ShaderOnCpu radial_of(const Fog& fog) {
+    auto made = ShaderOnCpu::create(fog, {.kind = MethodKind::radial, .radial = {1536, 512}});
+    REQUIRE_MESSAGE(made.has_value(), (made ? "" : made.error().message));
+    return std::move(*made);
+}
+
+double transmittance_error(double tau, double truth) {
+    return std::abs(std::exp(-tau) - std::exp(-truth));
+}
+
+}  // namespace
+
+TEST_CASE("radial on the CPU: rays in all directions within 1/510 of the reference") {
+    Random random(89);
+    for (const Boundary boundary : {Boundary::zero, Boundary::repeat})
+        for (int degree = 1; degree <= 2; ++degree) {
+            Fog fog =
+                random_fog(24, 18, {.degree = degree, .levels = 1, .boundary = boundary}, random);
+            for (const auto& profile : all_profiles()) {
+                fog.profile = profile;
+                const Reference reference(fog);
+                const ShaderOnCpu shader = radial_of(fog);
+                for (int eye = 0; eye < 2; ++eye) {
+                    const Eigen::Vector3d o = random_point(random);
+                    for (int i = 0; i < 100; ++i) {
+                        const Eigen::Vector3d p = random_point(random);
+                        CAPTURE(o.transpose());
+                        CAPTURE(p.transpose());
+                        CAPTURE(degree);
+                        CAPTURE(static_cast<int>(profile.kind));
+                        CHECK_LE(transmittance_error(shader.optical_depth(o, p),
+                                                     reference.optical_depth(o, p)),
+                                 1.0 / 510);
+                    }
+                }
+            }
+        }
+}
+
+TEST_CASE("radial on the CPU: r -> 0 is finite and continuous, also on cell edges and outside") {
+    Random random(97);
+    for (int degree = 0; degree <= 2; ++degree) {
+        Fog fog = random_fog(48, 36, {.degree = degree, .levels = 2}, random);
+        for (const auto& profile : all_profiles()) {
+            fog.profile = profile;
+            const Reference reference(fog);
+            const ShaderOnCpu shader = radial_of(fog);
+            for (const Eigen::Vector3d& o :
+                 {Eigen::Vector3d(3.3, 8.1, 5.2), Eigen::Vector3d(-2, -3.2, -4),
+                  Eigen::Vector3d(28, 8.1, 24), Eigen::Vector3d(90, 8.1, 5)})
+                for (const double r : {0.0, 1e-30, 1e-9, 1e-4, 1e-2})
+                    for (const double rise : {-14.0, 0.0, 12.5}) {
+                        // Towards the map's middle, so that no edge of a Haar cell lies in between.
+                        const Eigen::Vector3d p = o + Eigen::Vector3d(-r, rise, -0.5 * r);
+                        const double tau = shader.optical_depth(o, p);
+                        CAPTURE(degree);
+                        CAPTURE(static_cast<int>(profile.kind));
+                        CAPTURE(o.transpose());
+                        CAPTURE(r);
+                        CAPTURE(rise);
+                        REQUIRE(std::isfinite(tau));
+                        // Straight down an edge, either side's density will do.
+                        if (degree == 0 && p.x() == o.x()) continue;
+                        // The exponential profile's spline is within 0.3 % and ends at 7 heights.
+                        CHECK_LE(transmittance_error(tau, reference.optical_depth(o, p)),
+                                 1.0 / 510);
+                    }
+        }
+    }
+}
+
+TEST_CASE("radial on the CPU: a constant map has the exponential profile's error alone") {
+    Random random(101);
+    Fog fog =
+        fog_of(make_map<float>(MapKind::constant, 16, 16, random), {.degree = 0, .levels = 1});
+    fog.rect = {-200, -200, 200, 200};
+    fog.extinction = 0.05;
+    fog.profile = {.kind = Profile::Kind::exponential, .base = 1, .scale = 4};
+    const Reference reference(fog);
+    const ShaderOnCpu shader = radial_of(fog);
+    for (const double height : {-3.0, 2.0, 30.0, 90.0}) {
+        const Eigen::Vector3d o(3.3, height, 5.2);
+        for (int i = 0; i < 300; ++i) {
+            const Eigen::Vector3d p(random.uniform(-190, 190), random.uniform(-10, 60),
+                                    random.uniform(-190, 190));
+            const double truth = reference.optical_depth(o, p);
+            CAPTURE(height);
+            CAPTURE(p.transpose());
+            // 0.28 % of the spline, 0.1 % of what lies more than 7 scale heights up; and float32.
+            CHECK_LE(std::abs(shader.optical_depth(o, p) - truth), 0.004 * truth + 2e-5);
+        }
+    }
+}
+
+TEST_CASE("radial on the CPU: the last eye's table is kept, another eye's is its own") {
+    Random random(103);
+    const Fog fog = random_fog(24, 18, {.degree = 1, .levels = 1}, random);
+    const ShaderOnCpu shader = radial_of(fog);
+    const Eigen::Vector3d a(3.3, 2.1, 5.2), b(-7.1, 1, 2), p(12, 3, -4);
+    const double from_a = shader.optical_depth(a, p), from_b = shader.optical_depth(b, p);
+    CHECK(from_a != from_b);
+    CHECK(radial_of(fog).optical_depth(b, p) == from_b);
+    CHECK(shader.optical_depth(a, p) == from_a);
+    CHECK(shader.optical_depth(b, p) == from_b);
+    CHECK(shader.optical_depth(a, a) == 0);
+}
