@@ -167,7 +167,7 @@ def cosines():
     """Strata of mist (paper 000, figure 6): its five functions, at this scene's scale."""
     rnd = random.Random(11)
     eye = (-2900, 372, 1720)
-    unit, mean = 0.0016, 0.00040  # of the paper's length: 1/m; of its density 1: 1/m
+    unit, mean = 0.0016, 0.00030  # of the paper's length: 1/m; of its density 1: 1/m
 
     def wave(share, direction, frequency):
         # Strata part in front of the eye: their least density is at its height.
@@ -179,11 +179,11 @@ def cosines():
     write("cosines.json", {
         "size": [1200, 675],
         "camera": {"eye": eye, "target": (-1100, 190, 560), "up": [0, 1, 0], "fov_y_deg": 30,
-                   "near": 2, "far": 7000},
+                   "near": 2, "far": 5500},
         "sky": [0.60, 0.64, 0.72],
-        "sun": {"direction": [0.62, 0.13, -0.62], "colour": [1.5, 0.95, 0.58]},
+        "sun": {"direction": [0.22, 0.26, -0.92], "colour": [1.55, 1.02, 0.64]},
         "terrain": MOUNTAINS,
-        "fog_colour": [0.80, 0.77, 0.77],
+        "fog_colour": [0.84, 0.78, 0.74],
         # cos(pi x) cos(pi z / 2) is half the sum of the cosines of their sum and difference.
         "fog": [{"model": "cosines", "extinction": mean,
                  "waves": [wave(0.5, [0, 1, 0], 5), wave(0.2, [0.1, 1, 0], 7),
