@@ -64,7 +64,7 @@ Result<void> draw_on_gpu(const Gl& gl, const Scene& scene, const FrameTarget& ta
     std::vector<const FogTextures*> fogs;
     fogs.reserve(textures.size());
     for (const FogTextures& made : textures) fogs.push_back(&made);
-    Result<FogPass> pass = FogPass::create(gl, fogs, scene.method, scene.fog_colour);
+    Result<FogPass> pass = FogPass::create(gl, fogs, scene.method, scene.fog_colour, scene.models);
     if (!pass) return tl::unexpected(pass.error());
 
     const int width = target.width, height = target.height;
@@ -92,7 +92,7 @@ void draw_on_cpu(const Gl& gl, const Scene& scene, const FrameTarget& target, Fr
         for (int y = int(begin); y < int(end); ++y)
             for (int x = 0; x < width; ++x) {
                 const PixelRay ray = rays.at(x, y, double(depth.at(x, y, 0)));
-                const double tau = rays.optical_depth(fogs, ray, scene.method.mu);
+                const double tau = rays.optical_depth(fogs, ray, scene.method.mu, scene.models);
                 const double opacity = -std::expm1(-tau);
                 frame.transmittance.at(x, y, 0) = float(std::exp(-tau));
                 for (int c = 0; c < 3; ++c) {

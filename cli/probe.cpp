@@ -46,6 +46,17 @@ Result<OpticalDepth> evaluator(const Fog& fog, const Method& method) {
     return [shader](const auto& o, const auto& p) { return shader->optical_depth(o, p); };
 }
 
+/// The same through all fogs given by formulas.
+Result<OpticalDepth> evaluator(const std::vector<FogModel>& models, const Method& method) {
+    if (method.kind == MethodKind::reference)
+        return [models](const auto& o, const auto& p) { return optical_depth(models, o, p); };
+    auto created = ModelsOnCpu::create(models);
+    if (!created) return tl::unexpected(created.error());
+    return [shader = std::move(*created)](const auto& o, const auto& p) {
+        return shader.optical_depth(o, p);
+    };
+}
+
 Result<RayTable> rays_of(const fs::path& file) {
     if (file == "-") return read_rays(std::cin, "standard input");
     if (auto ok = check_input(file); !ok) return tl::unexpected(ok.error());
@@ -69,20 +80,28 @@ Result<void> probe(const ProbeOptions& options) {
     Method method = options.method;
     method.mu = options.mu.value_or(method.mu);
     LoadNotes notes;
-    const Result<std::vector<Fog>> fogs = load_fogs(options.input, &notes);
-    if (!fogs) return tl::unexpected(fogs.error());
+    const Result<SceneFogs> loaded = load_fogs(options.input, &notes);
+    if (!loaded) return tl::unexpected(loaded.error());
     if (!notes.warning.empty()) warn(notes.warning);
     const Result<RayTable> table = rays_of(options.rays);
     if (!table) return tl::unexpected(table.error());
 
     std::vector<double> depths(table->rays.size());
-    for (const Fog& fog : *fogs) {
-        const auto optical_depth = evaluator(fog, method);
-        if (!optical_depth) return tl::unexpected(optical_depth.error());
+    const auto add = [&](const OpticalDepth& through) {
         parallel_chunks("probing", depths.size(), 64, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i)
-                depths[i] += (*optical_depth)(table->rays[i].origin, table->rays[i].end);
+                depths[i] += through(table->rays[i].origin, table->rays[i].end);
         });
+    };
+    for (const Fog& fog : loaded->fogs) {
+        const auto through = evaluator(fog, method);
+        if (!through) return tl::unexpected(through.error());
+        add(*through);
+    }
+    if (!loaded->models.empty()) {
+        const auto through = evaluator(loaded->models, method);
+        if (!through) return tl::unexpected(through.error());
+        add(*through);
     }
 
     if (to_stdout) {
@@ -96,8 +115,9 @@ Result<void> probe(const ProbeOptions& options) {
     if (!output) return tl::unexpected(output.error());
     write_rows(output->stream(), *table, depths);
     if (auto ok = output->commit(); !ok) return ok;
+    const std::size_t count = loaded->fogs.size() + loaded->models.size();
     fmt::print("wrote {}: {} rays through {} fog{}, method {}, mu {}\n", options.output.string(),
-               depths.size(), fogs->size(), fogs->size() == 1 ? "" : "s", method.name(), method.mu);
+               depths.size(), count, count == 1 ? "" : "s", method.name(), method.mu);
     return {};
 }
 

@@ -51,14 +51,18 @@ Result<void> check_files(const RenderOptions& options) {
 
 /// The fogs of --fog instead of the scene's own.
 Result<void> replace_fogs(const std::vector<fs::path>& files, Scene& scene) {
-    if (!files.empty()) scene.fogs.clear();
+    if (!files.empty()) {
+        scene.fogs.clear();
+        scene.models.clear();
+    }
     for (const fs::path& file : files) {
         if (auto ok = check_input(file); !ok) return ok;
         LoadNotes notes;
-        Result<std::vector<Fog>> fogs = load_fogs(file, &notes);
-        if (!fogs) return tl::unexpected(fogs.error());
+        Result<SceneFogs> loaded = load_fogs(file, &notes);
+        if (!loaded) return tl::unexpected(loaded.error());
         if (!notes.warning.empty()) warn(notes.warning);
-        std::move(fogs->begin(), fogs->end(), std::back_inserter(scene.fogs));
+        std::move(loaded->fogs.begin(), loaded->fogs.end(), std::back_inserter(scene.fogs));
+        std::move(loaded->models.begin(), loaded->models.end(), std::back_inserter(scene.models));
     }
     return {};
 }

@@ -1,4 +1,5 @@
-// The fog post-process for one fog: depth (and colour) in, fogged colour or optical depth out.
+// The fog post-process for one fog, or for all that formulas give (fog_models.glsl): depth (and
+// colour) in, fogged colour or optical depth out.
 // Defines: FOG_DEGREE, FOG_PROFILE, FOG_REPEAT, FOG_SKIP, FOG_METHOD, FOG_PAPER_SCALING,
 // RADIAL_LAYERED; FOG_OUTPUT_TAU writes optical depth instead of colour; FOG_PREVIOUS_TAU adds the
 // optical depth of the fogs drawn before.
@@ -13,6 +14,7 @@ precision highp sampler2D;
 #define FOG_METHOD_NONE 3
 #define FOG_METHOD_PAPER 4
 #define FOG_METHOD_RADIAL 5
+#define FOG_METHOD_MODELS 6
 
 #include "fog_block.glsl"
 
@@ -34,6 +36,9 @@ uniform sampler2D previous_tau;
 #include "fog_paper.glsl"
 #elif FOG_METHOD == FOG_METHOD_RADIAL
 #include "fog_radial.glsl"
+#elif FOG_METHOD == FOG_METHOD_MODELS
+#include "fog_models_block.glsl"
+#include "fog_models.glsl"
 #endif
 
 layout(location = 0) out vec4 result;
@@ -57,10 +62,17 @@ float optical_depth(vec2 pixel, float depth) {
     }
     float metres = length(path);
     if (sky) {
-        path *= fog.limit.z / metres;
-        metres = fog.limit.z;
+#if FOG_METHOD == FOG_METHOD_MODELS
+        float farthest = models.limit.x;
+#else
+        float farthest = fog.limit.z;
+#endif
+        path *= farthest / metres;
+        metres = farthest;
     }
-#if FOG_METHOD == FOG_METHOD_HOMOGENEOUS
+#if FOG_METHOD == FOG_METHOD_MODELS
+    return fog_models(start, path, metres);
+#elif FOG_METHOD == FOG_METHOD_HOMOGENEOUS
     return fog_homogeneous(metres);
 #elif FOG_METHOD == FOG_METHOD_NONE
     return 0.0f;

@@ -82,8 +82,8 @@ double ssim(int width, int height, const std::vector<double>& a, const std::vect
     return sum / double(aa.size());
 }
 
-Truth compute_truth(const std::vector<Fog>& fogs, const Camera& camera, const Image& depth,
-                    int stride) {
+Truth compute_truth(const std::vector<Fog>& fogs, const std::vector<FogModel>& models,
+                    const Camera& camera, const Image& depth, int stride) {
     Truth truth;
     truth.width = (depth.width + stride - 1) / stride;
     truth.height = (depth.height + stride - 1) / stride;
@@ -94,9 +94,10 @@ Truth compute_truth(const std::vector<Fog>& fogs, const Camera& camera, const Im
     const auto integrate_rows = [&](std::size_t begin, std::size_t end) {
         for (int y = int(begin); y < int(end); ++y)
             for (int x = 0; x < truth.width; ++x) {
-                truth.tau[std::size_t(y * truth.width + x)] = rays.optical_depth(
-                    references,
-                    rays.at(stride * x, stride * y, double(depth.at(stride * x, stride * y, 0))));
+                const PixelRay ray =
+                    rays.at(stride * x, stride * y, double(depth.at(stride * x, stride * y, 0)));
+                truth.tau[std::size_t(y * truth.width + x)] =
+                    rays.optical_depth(references, ray, 1, models);
             }
     };
     parallel_chunks("integrating the truth", std::size_t(truth.height), 4, integrate_rows);

@@ -18,8 +18,8 @@ struct Truth {
 
 /// From the depth buffer that the fog passes read, on all cores. `fogs` as undecomposed() makes
 /// them: the finest map itself.
-Truth compute_truth(const std::vector<Fog>& fogs, const Camera& camera, const Image& depth,
-                    int stride = 1);
+Truth compute_truth(const std::vector<Fog>& fogs, const std::vector<FogModel>& models,
+                    const Camera& camera, const Image& depth, int stride = 1);
 
 /// Every stride-th pixel of every stride-th row, as a Truth of that stride has them.
 Image every_nth(const Image& image, int stride);

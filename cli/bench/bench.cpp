@@ -75,17 +75,23 @@ Result<Results> measure_compression(const BenchOptions& options) {
 
 Result<Results> measure(const BenchOptions& options) {
     if (options.plan.preset == Preset::compression) return measure_compression(options);
+    Results results;
     std::vector<BenchScene> scenes;
     std::vector<fs::path> files;
     for (const fs::path& file : options.scenes) {
         if (auto ok = check_input(file); !ok) return tl::unexpected(ok.error());
         Result<BenchScene> scene = load_bench_scene(file);
         if (!scene) return tl::unexpected(scene.error());
+        if (scene->scene.fogs.empty()) {
+            results.skipped.push_back(file.string() + ": the scene has no wavelet fog to measure");
+            continue;
+        }
         scenes.push_back(*std::move(scene));
         for (fs::path& named : files_of_scene(file)) files.push_back(std::move(named));
     }
+    if (scenes.empty() && !results.skipped.empty())
+        return data_error(results.skipped.front() + "; add one");
     if (options.plan.preset == Preset::scale) scenes = scale_scenes(scenes);
-    Results results;
     const Result<std::unique_ptr<Context>> context = create_context(options.context);
     if (!context) return tl::unexpected(context.error());
     if (options.plan.preset == Preset::stability) {

@@ -120,9 +120,9 @@ Result<const Truth*> Measurement::truth(const Group& group, const Variant& varia
     if (const auto found = truths_.find(key); found != truths_.end()) return &found->second;
     const Result<std::vector<Fog>> fogs = undecomposed(variant.fogs);
     if (!fogs) return tl::unexpected(fogs.error());
-    const Camera& camera = scenes_[group.scene].scene.camera;
-    return &truths_.emplace(key, compute_truth(*fogs, camera, stage.depth, group.stride))
-                .first->second;
+    const Scene& scene = scenes_[group.scene].scene;
+    Truth made = compute_truth(*fogs, scene.models, scene.camera, stage.depth, group.stride);
+    return &truths_.emplace(key, std::move(made)).first->second;
 }
 
 Result<void> Measurement::run(const std::vector<Group>& groups, Results& results) {
@@ -233,7 +233,8 @@ Result<FogPass> Measurement::make_pass(const Group& group, std::size_t index, co
     }
     std::vector<const FogTextures*> fogs;
     for (const FogTextures& made : textures) fogs.push_back(&made);
-    return FogPass::create(context_.gl(), fogs, method, scenes_[group.scene].scene.fog_colour);
+    const Scene& scene = scenes_[group.scene].scene;
+    return FogPass::create(context_.gl(), fogs, method, scene.fog_colour, scene.models);
 }
 
 void Measurement::estimate(std::vector<Contender>& contenders, const Stage& stage,

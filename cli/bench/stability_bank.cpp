@@ -59,7 +59,7 @@ Result<Figure> study_thin_bank(Context& context) {
     for (int pixels = 1; pixels <= 128; pixels *= 2) {
         const Result<Fog> fog = bank(pixels);
         if (!fog) return tl::unexpected(fog.error());
-        const Truth truth = compute_truth({*fog}, scene.camera, depth);
+        const Truth truth = compute_truth({*fog}, {}, scene.camera, depth);
         const Result<FogTextures> textures = FogTextures::create(gl, *fog);
         if (!textures) return tl::unexpected(textures.error());
         for (std::size_t i = 0; i < std::size(methods); ++i) {

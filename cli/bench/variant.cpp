@@ -43,13 +43,11 @@ const char* form_name(Form form) {
 Result<BenchScene> load_bench_scene(const std::filesystem::path& file) {
     Result<Scene> scene = load_scene(file);
     if (!scene) return tl::unexpected(scene.error());
-    if (scene->fogs.empty())
-        return data_error(file.string() + ": the scene has no fog to measure; add one");
     BenchScene result{file.stem().string(), {}, *std::move(scene)};
     std::ifstream stream(file);
     const Facts json = Facts::parse(stream, nullptr, false);
-    for (std::size_t i = 0; i < result.scene.fogs.size(); ++i) {
-        const Facts& fog = json.at("fog").at(i);
+    for (const Facts& fog : json.value("fog", Facts::array())) {
+        if (fog.value("model", "wavelet") != "wavelet") continue;
         const std::string picture = fog.value("image", fog.value("file", std::string()));
         result.map_names.push_back(std::filesystem::path(picture).filename().string());
     }

@@ -13,7 +13,7 @@ namespace wavefog::cli {
 /// A scene as it was loaded, with the names that its rows carry.
 struct BenchScene {
     std::string name;                    ///< of the file, without ".json"
-    std::vector<std::string> map_names;  ///< of each fog's picture, without its folder
+    std::vector<std::string> map_names;  ///< of each map's picture, without its folder
     Scene scene;
 };
 

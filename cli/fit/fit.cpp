@@ -171,6 +171,9 @@ Facts rewritten(const fs::path& input, const FitOptions& options, const Verified
     if (json.contains("terrain")) rebase(json["terrain"]["heightmap"]);
     if (json.contains("meshes"))
         for (Facts& mesh : json["meshes"]) rebase(mesh["file"]);
+    Facts models = Facts::array();  // formulas stay as they are
+    for (const Facts& fog : json["fog"])
+        if (fog.value("model", "wavelet") != "wavelet") models.push_back(fog);
     json["fog"] = Facts::array();
     for (std::size_t i = 0; i < chosen.maps.fogs.size(); ++i) {
         Facts fog = {{"model", "wavelet"}, {"file", fog_name(options.output, i).filename()}};
@@ -178,6 +181,7 @@ Facts rewritten(const fs::path& input, const FitOptions& options, const Verified
         if (wind[0] != 0 || wind[1] != 0) fog["wind"] = wind;
         json["fog"].push_back(fog);
     }
+    for (Facts& model : models) json["fog"].push_back(std::move(model));
     json["method"] = {{"name", chosen.method.name()}, {"mu", chosen.method.mu}};
     return json;
 }
@@ -218,7 +222,8 @@ Result<void> fit(const FitOptions& options) {
     const Result<Scene> scene = load_scene(options.input);
     if (!scene) return tl::unexpected(scene.error());
     if (scene->fogs.empty())
-        return data_error(options.input.string() + ": the scene has no fog to fit; add one");
+        return data_error(options.input.string() +
+                          ": the scene has no wavelet fog to fit; add one");
     if (auto ok = check_files(options, *scene); !ok) return ok;
     const Size size = options.size.value_or(Size{scene->width, scene->height});
     const Result<std::unique_ptr<Context>> context = create_context(options.context);

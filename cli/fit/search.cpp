@@ -29,7 +29,7 @@ Result<double> FitSearch::error(const std::vector<Fog>& fogs, const Method& meth
                                 const std::vector<View>& views) const {
     const Result<std::vector<FogTextures>> textures = make_textures(gl_, fogs);
     if (!textures) return tl::unexpected(textures.error());
-    Result<FogPass> pass = make_pass(gl_, *textures, method, scene_.fog_colour);
+    Result<FogPass> pass = make_pass(gl_, *textures, method, scene_);
     if (!pass) return tl::unexpected(pass.error());
     return largest_error(gl_, *pass, views);
 }
@@ -90,7 +90,7 @@ Result<void> FitSearch::try_methods(double error) {
         textures_.push_back(*std::move(made));
     }
     const auto enter = [&](std::size_t maps, const Method& method) -> Result<bool> {
-        Result<FogPass> pass = make_pass(gl_, textures_[maps], method, scene_.fog_colour);
+        Result<FogPass> pass = make_pass(gl_, textures_[maps], method, scene_);
         if (!pass) return tl::unexpected(pass.error());
         const Result<double> made = largest_error(gl_, *pass, tuning_);
         if (!made) return tl::unexpected(made.error());

@@ -44,7 +44,7 @@ Result<std::vector<View>> make_views(const Gl& gl, const Scene& scene, const std
         renderer->draw(view.frame, camera);
         const Image depth =
             read_texture(gl, view.frame.depth.name(), size.width, size.height, 1, true);
-        view.truth = compute_truth(fogs, camera, depth);
+        view.truth = compute_truth(fogs, scene.models, camera, depth);
         views.push_back(std::move(view));
     }
     return views;
@@ -61,10 +61,10 @@ Result<std::vector<FogTextures>> make_textures(const Gl& gl, const std::vector<F
 }
 
 Result<FogPass> make_pass(const Gl& gl, const std::vector<FogTextures>& textures,
-                          const Method& method, const Eigen::Vector3d& fog_colour) {
+                          const Method& method, const Scene& scene) {
     std::vector<const FogTextures*> pointers;
     for (const FogTextures& made : textures) pointers.push_back(&made);
-    return FogPass::create(gl, pointers, method, fog_colour);
+    return FogPass::create(gl, pointers, method, scene.fog_colour, scene.models);
 }
 
 Result<double> largest_error(const Gl& gl, FogPass& pass, const std::vector<View>& views) {

@@ -34,7 +34,7 @@ Result<std::vector<FogTextures>> make_textures(const Gl& gl, const std::vector<F
 
 /// `textures` stay where they are and outlive the pass.
 Result<FogPass> make_pass(const Gl& gl, const std::vector<FogTextures>& textures,
-                          const Method& method, const Eigen::Vector3d& fog_colour);
+                          const Method& method, const Scene& scene);
 
 /// The largest |T - T_true| over the views' pixels.
 Result<double> largest_error(const Gl& gl, FogPass& pass, const std::vector<View>& views);

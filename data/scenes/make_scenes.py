@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes valley.json and inside.json. The settings are chosen by eye; the trees are scattered.
+"""Writes the scenes beside it but bench64.json. The settings are chosen by eye; the trees are scattered.
 
 Repeatable: fixed seeds, standard library only. Own work of the wavefog project, MIT licence.
 """
@@ -102,6 +102,155 @@ def inside():
                  (0.6, 1.25), 9, 8)})
 
 
+HILLS = {"heightmap": "../dem_jacksboro_403x344.png", "rect": [-400, -341, 400, 341],
+         "height": [0, 26]}
+HUT = {"file": "../meshes/hut.obj", "translate": [124, -0.1, 82], "rotate_y_deg": 52,
+       "on_terrain": True}
+MOUNTAINS = {"heightmap": "../dem_jacksboro_403x344.png", "rect": [-3000, -2560, 3000, 2560],
+             "height": [0, 330]}
+
+
+def near_eye(eye, metres):
+    return lambda x, z: math.hypot(x - eye[0], z - eye[2]) < metres
+
+
+def halfspace():
+    """A sea of fog, denser with depth, lit by a low sun."""
+    rnd = random.Random(7)
+    eye = (-1500, 262, 1500)
+    write("halfspace.json", {
+        "size": [1200, 675],
+        "camera": {"eye": eye, "target": (-300, 178, 300), "up": [0, 1, 0], "fov_y_deg": 34,
+                   "near": 2, "far": 12000},
+        "sky": [0.52, 0.58, 0.74],
+        "sun": {"direction": [0.75, 0.16, -0.60], "colour": [1.5, 0.93, 0.55]},
+        "terrain": MOUNTAINS,
+        "fog_colour": [0.86, 0.79, 0.75],
+        "fog": [{"model": "halfspace", "normal": [0, 1, 0], "point": [0, 178, 0],
+                 "gradient": 0.00035},
+                {"model": "layers", "profile": "exponential", "extinction": 0.00012, "base": 150,
+                 "scale": 90}],
+        "method": {"name": "exact", "mu": 1.0},
+        "meshes": groves(rnd, 700, (-1500, 600, -600, 1500), near_eye(eye, 80), ["pine_far"],
+                         (0.7, 1.3), 40, 45)})
+
+
+def layers():
+    """A thin layer that hangs over a clearing: a ramp of four points."""
+    rnd = random.Random(33)
+    eye, target = (160, 7.6, 120), (118, 7.2, 60)
+
+    def clear(x, z):
+        dx, dz = x - eye[0], z - eye[2]
+        ahead, aside = -(dx * 0.57 + dz * 0.82), dx * 0.82 - dz * 0.57
+        return (math.hypot(dx, dz) < 14 or math.hypot(x - 124, z - 82) < 9 or
+                (ahead > 0 and abs(aside) < 7 + 0.12 * ahead and ahead < 60))
+
+    write("layers.json", {
+        "size": [1200, 675],
+        "camera": {"eye": eye, "target": target, "up": [0, 1, 0], "fov_y_deg": 42, "near": 0.2,
+                   "far": 2000},
+        "sky": [0.46, 0.56, 0.74],
+        "sun": {"direction": [-0.80, 0.22, -0.50], "colour": [1.45, 0.98, 0.62]},
+        "terrain": HILLS,
+        "fog_colour": [0.80, 0.82, 0.86],
+        "fog": [{"model": "layers", "profile": "ramp",
+                 "points": [[3.0, 0], [4.4, 0.045], [5.2, 0.045], [6.8, 0]]},
+                {"model": "layers", "profile": "exponential", "extinction": 0.0012, "base": 6,
+                 "scale": 25}],
+        "method": {"name": "exact", "mu": 1.0},
+        "meshes": [HUT] + groves(rnd, 420, (-20, -160, 270, 130), clear,
+                                 ["pine", "pine", "pine_young"], (0.6, 1.25), 9, 8)})
+
+
+def cosines():
+    """Strata of mist (paper 000, figure 6): its five functions, at this scene's scale."""
+    rnd = random.Random(11)
+    eye = (-2900, 372, 1720)
+    unit, mean = 0.0016, 0.00030  # of the paper's length: 1/m; of its density 1: 1/m
+
+    def wave(share, direction, frequency):
+        # Strata part in front of the eye: their least density is at its height.
+        turn = frequency * math.pi * unit * sum(d * e for d, e in zip(direction, (0, 345, 0)))
+        return {"extinction": round(share * mean, 9), "direction": direction,
+                "frequency": round(frequency * math.pi * unit, 7),
+                "phase": round((math.pi - turn) % (2 * math.pi), 4)}
+
+    write("cosines.json", {
+        "size": [1200, 675],
+        "camera": {"eye": eye, "target": (-1100, 190, 560), "up": [0, 1, 0], "fov_y_deg": 30,
+                   "near": 2, "far": 5500},
+        "sky": [0.60, 0.64, 0.72],
+        "sun": {"direction": [0.22, 0.26, -0.92], "colour": [1.55, 1.02, 0.64]},
+        "terrain": MOUNTAINS,
+        "fog_colour": [0.84, 0.78, 0.74],
+        # cos(pi x) cos(pi z / 2) is half the sum of the cosines of their sum and difference.
+        "fog": [{"model": "cosines", "extinction": mean,
+                 "waves": [wave(0.5, [0, 1, 0], 5), wave(0.2, [0.1, 1, 0], 7),
+                           wave(0.2, [-0.05, 1, 0], 5), wave(0.05, [1, 0, 0.5], 1),
+                           wave(0.05, [1, 0, -0.5], 1)]}],
+        "method": {"name": "exact", "mu": 1.0},
+        "meshes": groves(rnd, 700, (-2870, 800, -1800, 1760), near_eye(eye, 60), ["pine_far"],
+                         (0.6, 1.25), 50, 45)})
+
+
+def polynomials():
+    """Waves of fog between clear air (paper 000, figure 7): its polynomial, on two axes."""
+    rnd = random.Random(21)
+    eye = (178, 12, 138)
+    paper = [0.8, -1, 0, 0, 0, 1]
+    write("polynomials.json", {
+        "size": [1200, 675],
+        "camera": {"eye": eye, "target": (110, 5, 40), "up": [0, 1, 0], "fov_y_deg": 40,
+                   "near": 0.2, "far": 700},
+        "sky": [0.58, 0.64, 0.74],
+        "sun": {"direction": [-0.55, 0.34, -0.55], "colour": [1.35, 1.05, 0.75]},
+        "terrain": HILLS,
+        "fog_colour": [0.79, 0.81, 0.84],
+        "fog": [{"model": "polynomials", "polynomials": [
+            {"extinction": 0.002, "coefficients": paper, "direction": [1, 0, 0],
+             "centre": [120, 0, 0], "half_width": 60, "outside": "repeat"},
+            {"extinction": 0.002, "coefficients": paper, "direction": [0, 0, 1],
+             "centre": [0, 0, 60], "half_width": 60, "outside": "repeat"},
+            {"extinction": 0.05, "coefficients": [1, 0, -2, 0, 1], "direction": [0, 1, 0],
+             "centre": [0, 3, 0], "half_width": 5, "outside": "zero"}]}],
+        "method": {"name": "exact", "mu": 1.0},
+        "meshes": [HUT] + groves(rnd, 380, (-40, -160, 270, 130), near_eye(eye, 25),
+                                 ["pine", "pine", "pine_young"], (0.6, 1.25), 9, 8)})
+
+
+def potentials():
+    """Mist that gathers round some trees, over a brook and behind the hut."""
+    rnd = random.Random(5)
+    eye = (168, 10.5, 128)
+
+    def clear(x, z):
+        return math.hypot(x - eye[0], z - eye[2]) < 22 or math.hypot(x - 124, z - 82) < 9
+
+    write("potentials.json", {
+        "size": [1200, 675],
+        "camera": {"eye": eye, "target": (112, 5, 58), "up": [0, 1, 0], "fov_y_deg": 42,
+                   "near": 0.2, "far": 1500},
+        "sky": [0.34, 0.42, 0.58],
+        "sun": {"direction": [-0.7, 0.16, -0.55], "colour": [1.3, 0.82, 0.52]},
+        "terrain": HILLS,
+        "fog_colour": [0.72, 0.74, 0.80],
+        "fog": [{"model": "potentials", "extinction": 0.0004, "objects": [
+            {"line": [[150, 1.5, 70], [95, 1.5, 112]], "extinction": 0.12, "reach": 2.5},
+            {"point": [96, 5, 52], "extinction": 0.10, "reach": 6},
+            {"point": [150, 6, 50], "extinction": 0.10, "reach": 6},
+            {"point": [70, 5, 80], "extinction": 0.08, "reach": 7},
+            {"sphere": [110, 2, 20], "radius": 10, "extinction": 0.06, "reach": 8}]}],
+        "method": {"name": "exact", "mu": 1.0},
+        "meshes": [HUT] + groves(rnd, 300, (-20, -120, 260, 130), clear,
+                                 ["pine", "pine", "pine_young"], (0.6, 1.25), 9, 8)})
+
+
 if __name__ == "__main__":
     valley()
     inside()
+    halfspace()
+    layers()
+    cosines()
+    polynomials()
+    potentials()

@@ -10,6 +10,7 @@
 
 #include "file_io.h"
 #include "json_reader.h"
+#include "model_reader.h"
 #include "wavefog/fogmap/fog_file.h"
 
 namespace wavefog {
@@ -161,7 +162,6 @@ Fog read_image_fog(const JsonValue& value, const fs::path& directory) {
 Fog read_fog(const JsonValue& value, const fs::path& directory) {
     value.only({"model", "image", "file", "channel", "basis", "family", "form", "levels", "rect",
                 "extinction", "height", "wind", "wrap", "sanitize"});
-    if (const auto model = value.find("model")) model->choice({"wavelet"});
     const auto file = value.find("file");
     if (file.has_value() == value.find("image").has_value())
         value.fail("needs either \"image\" (a picture) or \"file\" (a fog file), and not both");
@@ -218,7 +218,13 @@ Scene read_scene(const JsonValue& root, const fs::path& directory) {
     if (const auto colour = root.find("fog_colour")) scene.fog_colour = colour->vector3();
     if (const auto method = root.find("method")) scene.method = read_method(*method);
     if (const auto fogs = root.find("fog"))
-        for (const JsonValue& fog : fogs->items()) scene.fogs.push_back(read_fog(fog, directory));
+        for (const JsonValue& fog : fogs->items()) {
+            const auto model = fog.find("model");
+            if (!model || model->text() == "wavelet")
+                scene.fogs.push_back(read_fog(fog, directory));
+            else
+                scene.models.push_back(detail::read_model(fog));
+        }
     return scene;
 }
 
@@ -239,23 +245,23 @@ Result<Scene> load_scene(const fs::path& file) {
     }
 }
 
-Result<std::vector<Fog>> load_fogs(const fs::path& file, LoadNotes* notes) {
+Result<SceneFogs> load_fogs(const fs::path& file, LoadNotes* notes) {
     if (const auto ok = detail::check_is_file(file); !ok) return tl::unexpected(ok.error());
     if (is_fog_file(file)) {
         auto fog = load_fog(file, notes);
         if (!fog) return tl::unexpected(fog.error());
-        return std::vector<Fog>{std::move(*fog)};
+        return SceneFogs{{std::move(*fog)}, {}};
     }
     if (detail::lower_extension(file) == ".json") {
         auto scene = load_scene(file);
         if (!scene) return tl::unexpected(scene.error());
-        return std::move(scene->fogs);
+        return SceneFogs{std::move(scene->fogs), std::move(scene->models)};
     }
     const auto map = read_fogmap(file);
     if (!map) return tl::unexpected(map.error());
     auto fog = make_fog(map->pixels, {});
     if (!fog) return data_error(fmt::format("{}: {}", file.string(), fog.error().message));
-    return std::vector<Fog>{std::move(*fog)};
+    return SceneFogs{{std::move(*fog)}, {}};
 }
 
 }  // namespace wavefog

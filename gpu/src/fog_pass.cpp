@@ -7,6 +7,7 @@
 
 #include "fog_textures.h"
 #include "froxel_volume.h"
+#include "model_pass.h"
 #include "paper_data.h"
 #include "radial_table.h"
 #include "wavefog/gpu/pixel_rays.h"
@@ -100,6 +101,7 @@ struct FogPass::Impl {
     std::vector<PaperTextures> paper;     ///< one a fog with the paper's methods, else none
     std::vector<RadialTable> radial;      ///< one a fog with method radial, else none
     std::optional<FroxelVolume> froxels;  ///< draws instead of all this
+    std::optional<ModelPass> models;      ///< draws last
     Buffer fog_uniforms, view_uniforms, paper_uniforms;
     VertexArray vertices;
     Target partial[2];  ///< optical depth of the fogs drawn so far, in turns
@@ -199,6 +201,13 @@ struct FogPass::Impl {
 
     void draw(const FrameTarget& frame, const Camera& camera, GLuint output, double seconds,
               bool colour) {
+        if (!models) return draw_maps(frame, camera, output, seconds, colour);
+        if (!fogs.empty()) draw_maps(frame, camera, models->maps_target(frame), seconds, false);
+        models->draw(frame, camera, output, colour);
+    }
+
+    void draw_maps(const FrameTarget& frame, const Camera& camera, GLuint output, double seconds,
+                   bool colour) {
         if (froxels) return froxels->draw(frame, camera, output, seconds, colour);
         update_radial(frame, camera, seconds);
         const bool shared_eye =
@@ -251,12 +260,18 @@ FogPass& FogPass::operator=(FogPass&&) noexcept = default;
 FogPass::~FogPass() = default;
 
 Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fogs,
-                                const Method& method, const Eigen::Vector3d& fog_colour) {
+                                const Method& method, const Eigen::Vector3d& fog_colour,
+                                std::vector<FogModel> models) {
     if (method.kind == MethodKind::reference)
         return usage_error(
             "method reference runs on the CPU (class Reference); the fog pass draws "
             "exact, radial, paper, paper-scaling, march:N, froxel:XxYxZ or homogeneous");
     auto impl = std::make_unique<Impl>(gl, std::move(fogs), method, fog_colour);
+    if (!models.empty()) {
+        auto pass = ModelPass::create(gl, std::move(models), !impl->fogs.empty(), fog_colour);
+        if (!pass) return tl::unexpected(pass.error());
+        impl->models.emplace(std::move(*pass));
+    }
     if (method.kind == MethodKind::froxel && !impl->fogs.empty()) {
         std::vector<FroxelFog> maps;
         for (const FogTextures* fog : impl->fogs)

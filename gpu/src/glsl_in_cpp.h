@@ -16,6 +16,7 @@ using glm::floor;
 using glm::ivec2;
 using glm::ivec4;
 using glm::length;
+using glm::log;
 using glm::max;
 using glm::min;
 using glm::mix;
@@ -25,6 +26,7 @@ using glm::vec3;
 using glm::vec4;
 
 #include "fog_block.glsl"
+#include "fog_models_block.glsl"
 
 /// A texture in memory: `channels` floats a texel, missing ones read as 0.
 struct sampler2D {
@@ -75,6 +77,7 @@ inline vec4 texture(const sampler2D& s, vec2 p) {
 
 /// The shader's uniforms: one set a thread.
 inline thread_local FogBlock fog;
+inline thread_local ModelBlock models;
 inline thread_local sampler2D fog_cells;
 inline thread_local sampler2D fog_map;
 inline thread_local PaperBlock paper;

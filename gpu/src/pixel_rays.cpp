@@ -48,9 +48,10 @@ PixelRay PixelRays::at(int x, int y_from_top, double depth) const {
     return ray;
 }
 
-double PixelRays::optical_depth(const std::vector<Reference>& fogs, const PixelRay& ray,
-                                double mu) const {
-    double sum = 0;
+double PixelRays::optical_depth(const std::vector<Reference>& fogs, const PixelRay& ray, double mu,
+                                const std::vector<FogModel>& models) const {
+    const Eigen::Vector3d path = (ray.end - ray.origin) * (ray.sky ? sky_limit_ : 1);
+    double sum = wavefog::optical_depth(models, ray.origin, ray.origin + path);
     for (const Reference& fog : fogs) {
         Eigen::Vector3d end = ray.end;
         if (ray.sky) {

@@ -93,6 +93,21 @@ TEST_CASE("bench measures methods in turn and writes rows, provenance and charts
               work.read_text("out/" + std::string(file)));
 }
 
+TEST_CASE("bench has fogs given by formulas in its pictures and in its truth") {
+    const Workspace work;
+    write_scene(work);
+    std::string scene = work.read_text("scene.json");
+    scene.insert(scene.find("\"fog\": [") + 8,
+                 R"({"model": "halfspace", "normal": [0, 1, 0], "point": [0, 3, 0],
+                     "extinction": 0.02}, )");
+    work.write_text("scene.json", scene);
+    const RunResult run =
+        work.run({"bench", "scene.json", "-o", "out", "--frames", "1", "--methods", "exact"});
+    REQUIRE_MESSAGE(run.status == 0, run.err);
+    CHECK(row(results(work), "exact")["map"] == "map.png");
+    CHECK(row(results(work), "exact")["max_dT"] < 2e-6);
+}
+
 TEST_CASE("bench without gnuplot writes the numbers and says how to get the pictures") {
     const Workspace work;
     write_scene(work);

@@ -120,6 +120,29 @@ TEST_CASE("several fogs add up, and a picture is a fog too") {
     CHECK(split_row(lines_of(picture.out)[0]).second.optical_depth > 0);
 }
 
+TEST_CASE("fogs given by formulas add to maps, and every method has them in closed form") {
+    const Workspace work;
+    work.write_floats("map.tif", 2, 2, {1, 1, 1, 1});
+    work.write_text("scene.json", R"({"camera": {"eye": [0, 1, 0], "target": [1, 1, 0]}, "fog": [
+        {"model": "halfspace", "normal": [0, 1, 0], "point": [0, 2, 0], "extinction": 0.5},
+        {"model": "wavelet", "image": "map.tif", "basis": "haar", "rect": [0, 0, 2, 2],
+         "wrap": "repeat", "extinction": 0.25},
+        {"model": "layers", "profile": "ramp", "points": [[0, 0.125], [1, 0]]}]})");
+    for (const char* method : {"reference", "exact", "march:4"}) {
+        const RunResult run = work.run(
+            {"probe", "scene.json", "--rays", "-", "-o", "-", "--method", method}, "0,0,0,4,0,0\n");
+        REQUIRE_MESSAGE(run.status == 0, run.err);
+        CHECK(split_row(lines_of(run.out)[0]).second.optical_depth ==
+              doctest::Approx(4 * (0.5 + 0.25 + 0.125)).epsilon(1e-6));
+    }
+    work.write_text("bad.json", R"({"camera": {"eye": [0, 1, 0], "target": [1, 1, 0]}, "fog": [
+        {"model": "halfspace", "normal": [0, 0, 0], "point": [0, 2, 0], "extinction": 0.5}]})");
+    const RunResult bad =
+        work.run({"probe", "bad.json", "--rays", "-", "-o", "-"}, "0,0,0,4,0,0\n");
+    CHECK(bad.status == 1);
+    CHECK(bad.err.find("bad.json: fog[0]: normal is [0, 0, 0]") != std::string::npos);
+}
+
 TEST_CASE("the methods agree with the reference as well as they promise") {
     const Workspace work;
     work.write_ramp_png("map.png", 32, 32);

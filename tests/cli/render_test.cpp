@@ -66,6 +66,25 @@ TEST_CASE("render: exact gives the reference's transmittance and colours, also a
     }
 }
 
+TEST_CASE("render: fogs given by formulas are drawn with maps and without") {
+    const Workspace work;
+    write_scene(work);
+    const std::string formula =
+        R"({"model": "layers", "profile": "exponential", "extinction": 0.02, "base": 2, "scale": 5})";
+    std::string scene = work.read_text("scene.json");
+    scene.insert(scene.find("\"fog\": [") + 8, formula + ", ");
+    work.write_text("scene.json", scene);
+    const Picture both = transmittance(work, {});
+    CHECK(largest_difference(both, transmittance(work, {"--method", "reference"})) <= 2e-6);
+    work.write_text("formula.json", R"({"camera": {"eye": [0, 12, 30], "target": [0, 4, 0]},
+                                        "fog": [)" +
+                                        formula + "]}");
+    const Picture alone = transmittance(work, {"--fog", "formula.json"});
+    CHECK(largest_difference(alone, transmittance(work, {"--fog", "formula.json", "--method",
+                                                         "reference"})) <= 2e-6);
+    CHECK(largest_difference(alone, both) > 0.01);
+}
+
 TEST_CASE("render: the method and mu come from the scene unless the flags say otherwise") {
     const Workspace work;
     write_scene(work, R"({"name": "march:8", "mu": 0.25})");

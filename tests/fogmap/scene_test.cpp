@@ -277,16 +277,16 @@ TEST_CASE("fogs come from scenes, fog files and images") {
     const Stage stage;
     const auto scene = load_fogs(stage.write(full_scene().dump()));
     REQUIRE(scene.has_value());
-    CHECK(scene->size() == 2);
+    CHECK(scene->fogs.size() == 2);
     for (const char* name : {"banks.exr", "banks.json"}) {
         const auto fog = load_fogs(stage.dir() / name);
         REQUIRE(fog.has_value());
-        CHECK(fog->front().extinction == 0.125);
+        CHECK(fog->fogs.front().extinction == 0.125);
     }
     const auto image = load_fogs(stage.dir() / "banks.tif");
     REQUIRE(image.has_value());
-    CHECK(image->front().rect == Rect{0, 0, 4, 3});
-    CHECK(image->front().degree() == 1);
+    CHECK(image->fogs.front().rect == Rect{0, 0, 4, 3});
+    CHECK(image->fogs.front().degree() == 1);
     write_bytes(stage.dir() / "x.wfog", "");
     for (const auto& [name, message] : {std::pair{"none.png", "no such file"},
                                         {"bad.tif", "--sanitize"},

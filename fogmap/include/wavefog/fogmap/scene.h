@@ -10,6 +10,7 @@
 #include "wavefog/fogmap/fog.h"
 #include "wavefog/fogmap/fog_file.h"
 #include "wavefog/fogmap/image.h"
+#include "wavefog/fogmap/models.h"
 #include "wavefog/wavelet/path_table.h"
 
 namespace wavefog {
@@ -87,7 +88,8 @@ struct Scene {
     std::optional<Terrain> terrain;
     std::vector<MeshInstance> meshes;
     Eigen::Vector3d fog_colour{0.8, 0.82, 0.85};
-    std::vector<Fog> fogs;
+    std::vector<Fog> fogs;         ///< maps: "model": "wavelet"
+    std::vector<FogModel> models;  ///< formulas, in closed form whatever the method
     Method method;
 };
 
@@ -97,8 +99,14 @@ struct Scene {
 /// may replace). Data errors name the key ("scene.json: fog[0].height.scale: ...") or the line.
 Result<Scene> load_scene(const std::filesystem::path& file);
 
+/// What a scene's "fog" holds: all of it adds up.
+struct SceneFogs {
+    std::vector<Fog> fogs;
+    std::vector<FogModel> models;
+};
+
 /// The fogs of a file that may be a scene, a fog file or an image (taken with make_fog's defaults
 /// and an extinction of 1/m). `notes` as for load_fog().
-Result<std::vector<Fog>> load_fogs(const std::filesystem::path& file, LoadNotes* notes = nullptr);
+Result<SceneFogs> load_fogs(const std::filesystem::path& file, LoadNotes* notes = nullptr);
 
 }  // namespace wavefog

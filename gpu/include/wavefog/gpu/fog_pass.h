@@ -32,9 +32,11 @@ class FogTextures {
 /// eye, gets exact instead.
 class FogPass {
   public:
-    /// Compiles the programs that `method` needs for these fogs (they stay the caller's).
+    /// Compiles the programs that `method` needs for these fogs (they stay the caller's). `models`
+    /// are drawn in closed form whatever the method.
     static Result<FogPass> create(const Gl& gl, std::vector<const FogTextures*> fogs,
-                                  const Method& method, const Eigen::Vector3d& fog_colour);
+                                  const Method& method, const Eigen::Vector3d& fog_colour,
+                                  std::vector<FogModel> models = {});
     FogPass(FogPass&&) noexcept;
     FogPass& operator=(FogPass&&) noexcept;
     ~FogPass();
@@ -74,6 +76,18 @@ class ShaderOnCpu {
     struct Impl;
     explicit ShaderOnCpu(std::unique_ptr<Impl> impl);
     std::unique_ptr<Impl> impl_;
+};
+
+/// The same for fogs given by formulas.
+class ModelsOnCpu {
+  public:
+    /// A data error if a model is invalid or there are more parts than the shader holds.
+    static Result<ModelsOnCpu> create(std::vector<FogModel> models);
+    double optical_depth(const Eigen::Vector3d& o, const Eigen::Vector3d& p) const;
+
+  private:
+    explicit ModelsOnCpu(std::vector<FogModel> models) : models_(std::move(models)) {}
+    std::vector<FogModel> models_;
 };
 
 }  // namespace wavefog

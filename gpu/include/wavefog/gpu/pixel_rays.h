@@ -31,9 +31,10 @@ class PixelRays {
     /// The ray of a pixel (row 0 at the top) with this value in the depth buffer.
     PixelRay at(int x, int y_from_top, double depth) const;
     double sky_depth() const { return sky_depth_; }
-    /// The sum of the fogs' optical depths along a ray; a sky ray ends at each fog's far end.
-    double optical_depth(const std::vector<Reference>& fogs, const PixelRay& ray,
-                         double mu = 1) const;
+    /// The sum of the fogs' optical depths along a ray; a sky ray ends at each map's far end, and
+    /// for models at sky_limit().
+    double optical_depth(const std::vector<Reference>& fogs, const PixelRay& ray, double mu = 1,
+                         const std::vector<FogModel>& models = {}) const;
 
   private:
     Eigen::Matrix4d eye_from_clip_;

@@ -1,0 +1,100 @@
+// Fogs given by formulas instead of a map: their extinction at a point, and in closed form along a
+// segment. Lengths in metres, extinction in 1/m, world axes with y up.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "wavefog/wavelet/result.h"
+
+namespace wavefog {
+
+/// Fog on one side of a plane (Lengyel, "Unified Distance Formulas for Halfspace Fog"). At depth s
+/// metres behind the plane the extinction is extinction + gradient * s.
+struct Halfspace {
+    Eigen::Vector3d normal{0, 1, 0};  ///< unit length, points out of the fog
+    Eigen::Vector3d point{0, 0, 0};   ///< any point of the plane
+    double extinction = 0;            ///< constant part, eq. 5; 1/m
+    double gradient = 0;              ///< linear part (the paper's a), eq. 13; 1/m^2
+};
+
+/// Fog that changes with height alone (paper 001, section 3.2.2): straight lines between points,
+/// the first and the last extinction on below and above. Two points make a ground fog that ends,
+/// four a layer.
+struct Ramp {
+    struct Point {
+        double y = 0, extinction = 0;
+    };
+    std::vector<Point> points;  ///< at least two, y ascending
+};
+
+/// The same with extinction * exp(-(y - base) / scale) above base, and `extinction` below.
+struct ExponentialLayer {
+    double extinction = 0, base = 0, scale = 1;
+};
+
+/// constant + sum of amplitudes times cos(k Lambda(x) + phase), Lambda(x) = direction . x (paper
+/// 000, section 3.2.1). Not negative, because the constant is at least the sum of |amplitude|.
+struct Cosines {
+    struct Wave {
+        double extinction = 0;               ///< amplitude, 1/m, either sign
+        Eigen::Vector3d direction{1, 0, 0};  ///< any length but 0
+        double frequency = 0;                ///< k, radians a metre of Lambda
+        double phase = 0;                    ///< radians
+    };
+    double extinction = 0;  ///< the constant, 1/m
+    std::vector<Wave> waves;
+};
+
+/// Sum of polynomials of one coordinate each (paper 000, section 3.2.2): P(u) with u from -1 to 1
+/// across a bounded domain, u = (x - centre) . direction / half_width.
+struct Polynomials {
+    enum class Outside { zero, repeat };
+    struct Term {
+        double extinction = 0;               ///< of P = 1, 1/m
+        std::vector<double> coefficients;    ///< ascending powers of u, 1 to kMaxCoefficients
+        Eigen::Vector3d direction{1, 0, 0};  ///< unit length
+        Eigen::Vector3d centre{0, 0, 0};
+        double half_width = 1;              ///< metres, above 0
+        Outside outside = Outside::repeat;  ///< repeat: the domain again as tiles, P(-1) = P(1)
+    };
+    static constexpr int kMaxCoefficients = 10;
+    std::vector<Term> terms;
+};
+
+/// Fog around virtual objects (paper 000, section 3.2.3, eq. 9 with c = 1 / extinction and d =
+/// c / reach^2): a point at distance r has extinction / (1 + r^2 / reach^2). The paper takes r
+/// between object and ray; here it is taken at every point of the ray, and integrated. For a
+/// sphere r is the length of the tangent, 0 inside: the integral stays in closed form.
+struct Potentials {
+    struct Object {
+        enum class Kind { point, line, sphere };
+        Kind kind = Kind::point;
+        Eigen::Vector3d from{0, 0, 0};  ///< the point, the line's beginning, the sphere's centre
+        Eigen::Vector3d to{0, 0, 0};    ///< line: its end
+        double radius = 0;              ///< sphere: above 0
+        double extinction = 0;          ///< on the object; negative subtracts
+        double reach = 1;               ///< distance at which half of it is left, above 0
+    };
+    double extinction = 0;  ///< everywhere; at least what the negative objects take away
+    std::vector<Object> objects;
+};
+
+using FogModel = std::variant<Halfspace, Ramp, ExponentialLayer, Cosines, Polynomials, Potentials>;
+
+/// A data error that names the field, as in the scene file: "waves[1].direction is [0, 0, 0]; ...".
+Result<void> validate(const FogModel& model);
+
+/// Extinction at a point, 1/m. The model must pass validate(), here and below.
+double extinction(const FogModel& model, const Eigen::Vector3d& point);
+
+/// Integral of extinction from O to P in double: 0 for a zero-length segment, symmetric, additive.
+double optical_depth(const FogModel& model, const Eigen::Vector3d& o, const Eigen::Vector3d& p);
+
+/// Several fogs add their optical depths.
+double optical_depth(const std::vector<FogModel>& models, const Eigen::Vector3d& o,
+                     const Eigen::Vector3d& p);
+
+}  // namespace wavefog

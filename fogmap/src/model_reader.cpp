@@ -1,0 +1,148 @@
+#include "model_reader.h"
+
+#include <fmt/format.h>
+
+namespace wavefog::detail {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Directions of planes and polynomials have unit length; 0 stays 0 for validate() to name.
+Vector3d unit_vector(const JsonValue& value) {
+    const Vector3d v = value.vector3();
+    return v.norm() > 0 ? v.stableNormalized() : v;
+}
+
+double number_or(const JsonValue& value, const char* key, double otherwise) {
+    const auto found = value.find(key);
+    return found ? found->number() : otherwise;
+}
+
+Halfspace read_halfspace(const JsonValue& value) {
+    value.only({"model", "normal", "point", "extinction", "gradient"});
+    if (!value.find("extinction") && !value.find("gradient"))
+        value.fail(
+            "needs \"extinction\" (1/m), \"gradient\" (1/m for each metre of depth), or both");
+    return {unit_vector(value.key("normal")), value.key("point").vector3(),
+            number_or(value, "extinction", 0), number_or(value, "gradient", 0)};
+}
+
+FogModel read_layers(const JsonValue& value) {
+    switch (value.key("profile").choice({"ramp", "exponential", "depth"})) {
+        case 0: {
+            value.only({"model", "profile", "points"});
+            Ramp fog;
+            for (const JsonValue& point : value.key("points").items()) {
+                const auto v = point.numbers(2);
+                fog.points.push_back({v[0], v[1]});
+            }
+            return fog;
+        }
+        case 1:
+            value.only({"model", "profile", "extinction", "base", "scale"});
+            return ExponentialLayer{value.key("extinction").number(), value.key("base").number(),
+                                    value.key("scale").number()};
+        default:
+            // Denser with depth, as water is: a halfspace whose plane is level.
+            value.only({"model", "profile", "surface", "gradient"});
+            return Halfspace{{0, 1, 0},
+                             {0, value.key("surface").number(), 0},
+                             0,
+                             value.key("gradient").number()};
+    }
+}
+
+Cosines read_cosines(const JsonValue& value) {
+    value.only({"model", "extinction", "waves"});
+    Cosines fog;
+    fog.extinction = value.key("extinction").number();
+    for (const JsonValue& wave : value.key("waves").items()) {
+        wave.only({"extinction", "direction", "frequency", "phase"});
+        fog.waves.push_back({wave.key("extinction").number(), wave.key("direction").vector3(),
+                             wave.key("frequency").number(), number_or(wave, "phase", 0)});
+    }
+    return fog;
+}
+
+Polynomials read_polynomials(const JsonValue& value) {
+    value.only({"model", "polynomials"});
+    Polynomials fog;
+    for (const JsonValue& item : value.key("polynomials").items()) {
+        item.only({"extinction", "coefficients", "direction", "centre", "half_width", "outside"});
+        Polynomials::Term term;
+        term.extinction = item.key("extinction").number();
+        for (const JsonValue& c : item.key("coefficients").items())
+            term.coefficients.push_back(c.number());
+        term.direction = unit_vector(item.key("direction"));
+        if (const auto centre = item.find("centre")) term.centre = centre->vector3();
+        term.half_width = item.key("half_width").number();
+        term.outside = item.key("outside").choice({"zero", "repeat"}) == 0
+                           ? Polynomials::Outside::zero
+                           : Polynomials::Outside::repeat;
+        fog.terms.push_back(std::move(term));
+    }
+    return fog;
+}
+
+Potentials::Object read_object(const JsonValue& value) {
+    using Kind = Potentials::Object::Kind;
+    Potentials::Object object;
+    const auto point = value.find("point"), line = value.find("line"),
+               sphere = value.find("sphere");
+    if (int(point.has_value()) + int(line.has_value()) + int(sphere.has_value()) != 1)
+        value.fail("needs one of \"point\", \"line\" and \"sphere\"");
+    if (point) {
+        value.only({"point", "extinction", "reach"});
+        object.from = point->vector3();
+    } else if (line) {
+        value.only({"line", "extinction", "reach"});
+        const auto ends = line->items();
+        if (ends.size() != 2) line->fail("must be two points, [[x, y, z], [x, y, z]]");
+        object.kind = Kind::line;
+        object.from = ends[0].vector3();
+        object.to = ends[1].vector3();
+    } else {
+        value.only({"sphere", "radius", "extinction", "reach"});
+        object.kind = Kind::sphere;
+        object.from = sphere->vector3();
+        object.radius = value.key("radius").number();
+    }
+    object.extinction = value.key("extinction").number();
+    object.reach = value.key("reach").number();
+    return object;
+}
+
+Potentials read_potentials(const JsonValue& value) {
+    value.only({"model", "extinction", "objects"});
+    Potentials fog;
+    fog.extinction = number_or(value, "extinction", 0);
+    for (const JsonValue& object : value.key("objects").items())
+        fog.objects.push_back(read_object(object));
+    return fog;
+}
+
+FogModel read_unchecked(const JsonValue& value) {
+    switch (value.key("model").choice(
+        {"wavelet", "halfspace", "layers", "cosines", "polynomials", "potentials"})) {
+        case 1:
+            return read_halfspace(value);
+        case 2:
+            return read_layers(value);
+        case 3:
+            return read_cosines(value);
+        case 4:
+            return read_polynomials(value);
+        default:
+            return read_potentials(value);
+    }
+}
+
+}  // namespace
+
+FogModel read_model(const JsonValue& value) {
+    FogModel model = read_unchecked(value);
+    if (const auto ok = validate(model); !ok) value.fail(ok.error().message);
+    return model;
+}
+
+}  // namespace wavefog::detail

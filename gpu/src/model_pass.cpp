@@ -1,0 +1,108 @@
+#include "model_pass.h"
+
+#include "fog_uniforms.h"
+#include "model_block.h"
+#include "wavefog/gpu/pixel_rays.h"
+
+namespace wavefog {
+namespace {
+
+constexpr GLuint kModelBinding = 0, kViewBinding = 1;
+// Texture units of the samplers of fog_pass.frag that this pass reads.
+constexpr struct {
+    const char* name;
+    GLint unit;
+} kSamplers[] = {{"scene_depth", 0}, {"scene_colour", 1}, {"previous_tau", 2}};
+
+Result<Program> make_program(const Gl& gl, bool after_maps, bool colour) {
+    // FOG_METHOD_MODELS of fog_pass.frag.
+    std::vector<std::string> defines = {"FOG_METHOD 6", "FOG_DEGREE 0", "FOG_PROFILE 0"};
+    if (!colour) defines.push_back("FOG_OUTPUT_TAU");
+    if (after_maps) defines.push_back("FOG_PREVIOUS_TAU");
+    auto program = build_program(gl, "post_fullscreen.vert", "fog_pass.frag", defines);
+    if (!program) return program;
+    gl.UseProgram(program->name());
+    for (const auto& sampler : kSamplers)
+        if (const GLint at = gl.GetUniformLocation(program->name(), sampler.name); at >= 0)
+            gl.Uniform1i(at, sampler.unit);
+    const auto bind = [&](const char* name, GLuint binding) {
+        const GLuint index = gl.GetUniformBlockIndex(program->name(), name);
+        if (index != GL_INVALID_INDEX) gl.UniformBlockBinding(program->name(), index, binding);
+    };
+    bind("ModelBlock", kModelBinding);
+    bind("ViewBlock", kViewBinding);
+    gl.UseProgram(0);
+    return program;
+}
+
+template <class Block>
+void upload(const Gl& gl, const Buffer& buffer, GLuint binding, const Block& block) {
+    gl.BindBuffer(GL_UNIFORM_BUFFER, buffer.name());
+    gl.BufferData(GL_UNIFORM_BUFFER, sizeof(Block), &block, GL_DYNAMIC_DRAW);
+    gl.BindBufferBase(GL_UNIFORM_BUFFER, binding, buffer.name());
+}
+
+}  // namespace
+
+ModelPass::ModelPass(const Gl& gl, std::vector<FogModel> models, bool after_maps,
+                     const Eigen::Vector3d& fog_colour)
+    : gl_(&gl),
+      models_(std::move(models)),
+      after_maps_(after_maps),
+      fog_colour_(fog_colour),
+      model_uniforms_(
+          make_buffer(gl, GL_UNIFORM_BUFFER, sizeof(shader::ModelBlock), nullptr, GL_DYNAMIC_DRAW)),
+      view_uniforms_(
+          make_buffer(gl, GL_UNIFORM_BUFFER, sizeof(shader::ViewBlock), nullptr, GL_DYNAMIC_DRAW)),
+      vertices_(make_vertex_array(gl)) {}
+
+Result<ModelPass> ModelPass::create(const Gl& gl, std::vector<FogModel> models, bool after_maps,
+                                    const Eigen::Vector3d& fog_colour) {
+    if (auto ok = check_models(models); !ok) return tl::unexpected(ok.error());
+    ModelPass pass(gl, std::move(models), after_maps, fog_colour);
+    for (auto [program, colour] : {std::pair{&pass.colour_, true}, {&pass.optical_depth_, false}}) {
+        auto made = make_program(gl, after_maps, colour);
+        if (!made) return tl::unexpected(made.error());
+        *program = *std::move(made);
+    }
+    return pass;
+}
+
+GLuint ModelPass::maps_target(const FrameTarget& frame) {
+    if (frame.width != width_ || frame.height != height_) {
+        width_ = frame.width;
+        height_ = frame.height;
+        maps_ = make_texture_2d(*gl_, GL_R32F, width_, height_, GL_RED, GL_FLOAT, nullptr);
+        if (auto framebuffer = make_framebuffer(*gl_, maps_.name()))
+            maps_framebuffer_ = *std::move(framebuffer);
+    }
+    return maps_framebuffer_.name();
+}
+
+void ModelPass::draw(const FrameTarget& frame, const Camera& camera, GLuint output,
+                     bool colour) const {
+    const Gl& gl = *gl_;
+    upload(gl, model_uniforms_, kModelBinding, model_block(models_, camera.eye, sky_limit(camera)));
+    const auto matrices = camera_matrices(camera, frame.width, frame.height);
+    upload(gl, view_uniforms_, kViewBinding,
+           view_block(matrices, camera, frame.width, frame.height, fog_colour_, 0));
+    gl.BindFramebuffer(GL_FRAMEBUFFER, output);
+    gl.Viewport(0, 0, frame.width, frame.height);
+    gl.Disable(GL_DEPTH_TEST);
+    gl.Disable(GL_BLEND);
+    gl.BindVertexArray(vertices_.name());
+    gl.UseProgram(colour ? colour_.name() : optical_depth_.name());
+    const auto bind_texture = [&](GLuint unit, GLuint texture) {
+        gl.ActiveTexture(GL_TEXTURE0 + unit);
+        gl.BindTexture(GL_TEXTURE_2D, texture);
+    };
+    if (after_maps_) bind_texture(2, maps_.name());
+    bind_texture(1, frame.colour.name());
+    bind_texture(0, frame.depth.name());
+    gl.DrawArrays(GL_TRIANGLES, 0, 3);
+    for (const GLuint unit : {2u, 1u, 0u}) bind_texture(unit, 0);
+    gl.BindVertexArray(0);
+    gl.UseProgram(0);
+}
+
+}  // namespace wavefog

@@ -1,0 +1,42 @@
+// The pass that adds fogs given by formulas to the optical depth of the maps.
+#pragma once
+
+#include <vector>
+
+#include "wavefog/fogmap/models.h"
+#include "wavefog/fogmap/scene.h"
+#include "wavefog/gpu/frame.h"
+
+namespace wavefog {
+
+/// All models in one draw; it comes after the maps and blends colour once for both.
+class ModelPass {
+  public:
+    /// A data error says which model is invalid, or what there is too much of. `after_maps`: a
+    /// previous optical depth is added.
+    static Result<ModelPass> create(const Gl& gl, std::vector<FogModel> models, bool after_maps,
+                                    const Eigen::Vector3d& fog_colour);
+
+    /// The R32F target for the maps' optical depth, of the frame's size.
+    GLuint maps_target(const FrameTarget& frame);
+
+    /// Draws colour or optical depth; what maps_target() holds is added if there are maps.
+    void draw(const FrameTarget& frame, const Camera& camera, GLuint output, bool colour) const;
+
+  private:
+    ModelPass(const Gl& gl, std::vector<FogModel> models, bool after_maps,
+              const Eigen::Vector3d& fog_colour);
+
+    const Gl* gl_;
+    std::vector<FogModel> models_;
+    bool after_maps_;
+    Eigen::Vector3d fog_colour_;
+    Program colour_, optical_depth_;
+    Buffer model_uniforms_, view_uniforms_;
+    VertexArray vertices_;
+    Texture maps_;
+    Framebuffer maps_framebuffer_;
+    int width_ = 0, height_ = 0;
+};
+
+}  // namespace wavefog

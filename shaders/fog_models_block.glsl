@@ -1,0 +1,36 @@
+// Uniform block of the fogs given by formulas (fog_models.glsl). One definition: GLSL reads it as a
+// std140 block, C++ (with GLM) as a struct; every member is a vec4, an ivec4 or an array of them, so
+// both layouts are the same. Metres from the eye on world axes, extinction in 1/m; what is periodic
+// is reduced in double.
+#define MODEL_MAX_HALFSPACES 8
+#define MODEL_MAX_RAMPS 32
+#define MODEL_MAX_EXPONENTIALS 8
+#define MODEL_MAX_WAVES 64
+#define MODEL_MAX_POLYNOMIALS 32
+#define MODEL_MAX_OBJECTS 64
+
+#ifdef __cplusplus
+struct ModelBlock {
+#else
+layout(std140) uniform ModelBlock {
+#endif
+    vec4 limit;        // x: longest sky ray, m; y: extinction everywhere, of all models
+    ivec4 count;       // x: halfspaces, y: ramp pieces, z: exponentials, w: waves
+    ivec4 count_more;  // x: polynomials, y: objects
+    vec4 plane[MODEL_MAX_HALFSPACES];            // xyz: unit normal, w: the eye's height over it
+    vec4 plane_density[MODEL_MAX_HALFSPACES];    // x: extinction, y: gradient, 1/m^2
+    vec4 ramp[MODEL_MAX_RAMPS];                  // x: low, y: high, z: extinction at low, w: slope
+    vec4 exponential[MODEL_MAX_EXPONENTIALS];    // x: eye's eta, y: eta per metre, z: extinction
+    vec4 wave[MODEL_MAX_WAVES];                  // xyz: turns per metre, w: turns at the eye
+    vec4 wave_amplitude[MODEL_MAX_WAVES];        // x: extinction
+    vec4 polynomial[MODEL_MAX_POLYNOMIALS];      // xyz: u per metre, w: the eye's u
+    vec4 coefficients[3 * MODEL_MAX_POLYNOMIALS];  // ten times extinction, ascending; in the third
+                                                 // z: mean, w: 1 if repeated
+    vec4 object[MODEL_MAX_OBJECTS];              // xyz: point, w: radius
+    vec4 object_axis[MODEL_MAX_OBJECTS];         // xyz: a line's direction, w: its length, else 0
+    vec4 object_shape[MODEL_MAX_OBJECTS];        // x: extinction, y: 1 / reach
+#ifdef __cplusplus
+};
+#else
+} models;
+#endif
