@@ -154,7 +154,7 @@ TEST_CASE("bench presets: speed prints a table, paper-tables measures its cells"
         work.run({"bench", "scene.json", "--preset", "speed", "--frames", "1", "--json"});
     REQUIRE_MESSAGE(speed.status == 0, speed.err);
     const json stored = json::parse(speed.out);
-    CHECK(stored["rows"].size() == 4);
+    CHECK(stored["rows"].size() == 5);
     CHECK(stored["provenance"]["preset"] == "speed");
 
     write_scene(work, "other.json");
@@ -191,7 +191,7 @@ TEST_CASE("bench refuses what it cannot use and leaves no files") {
     };
     check({"-o", "out"}, 2, "name a scene");
     check({"none.json", "-o", "."}, 1, "none.json");
-    check({"no-fog.json"}, 1, "no fog");
+    check({"no-fog.json"}, 1, "no wavelet fog");
     check({"scene.json", "-o", "file"}, 1, "this is a file");
     check({"scene.json", "-o", "a/b"}, 1, "parent");
     check({"scene.json", "--preset", "fast"}, 2, "fast");

@@ -269,6 +269,8 @@ TEST_CASE("pictures, other formats and missing files are told apart from fog fil
     CHECK(contains(load_error(dir / "scene.json"), "format: is missing"));
     CHECK_FALSE(is_fog_file(dir / "nothing.exr"));
     CHECK(contains(load_error(dir / "nothing.exr"), "no such file"));
+    CHECK(contains(load_error(dir / "fog.wfog"), "no such file"));
+    write_bytes(dir / "fog.wfog", "not one of ours");
     CHECK(contains(load_error(dir / "fog.wfog"), "is no .wfog file"));
     CHECK(contains(load_error(dir / "fog.ktx2"), "ends in .exr"));
     const Fog fog = fog_of(Grid<float>::Constant(4, 4, 1.0f), {});
