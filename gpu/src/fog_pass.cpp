@@ -9,6 +9,7 @@
 #include "froxel_volume.h"
 #include "model_pass.h"
 #include "paper_data.h"
+#include "program_inputs.h"
 #include "radial_table.h"
 #include "wavefog/gpu/pixel_rays.h"
 
@@ -34,15 +35,15 @@ int method_number(const Method& method, bool any_fog) {
 }
 
 // Texture units of the samplers of fog_pass.frag.
-struct Sampler {
-    const char* name;
-    GLint unit;
-};
-constexpr Sampler kSamplers[] = {{"fog_cells", 0},    {"fog_map", 1},        {"scene_depth", 2},
-                                 {"scene_colour", 3}, {"previous_tau", 4},   {"paper_bands", 5},
-                                 {"paper_paths", 6},  {"paper_partials", 7}, {"radial_table", 8}};
+constexpr UnitOf kSamplers[] = {{"fog_cells", 0},    {"fog_map", 1},        {"scene_depth", 2},
+                                {"scene_colour", 3}, {"previous_tau", 4},   {"paper_bands", 5},
+                                {"paper_paths", 6},  {"paper_partials", 7}, {"radial_table", 8}};
 constexpr GLint kUnits = 9;
 constexpr GLuint kFogBinding = 0, kViewBinding = 1, kPaperBinding = 2, kRadialBinding = 3;
+constexpr BindingOf kBlocks[] = {{"FogBlock", kFogBinding},
+                                 {"ViewBlock", kViewBinding},
+                                 {"PaperBlock", kPaperBinding},
+                                 {"RadialBlock", kRadialBinding}};
 
 struct Target {
     Texture texture;
@@ -130,16 +131,7 @@ struct FogPass::Impl {
         if (!colour) defines.push_back("FOG_OUTPUT_TAU");
         if (fog > 0) defines.push_back("FOG_PREVIOUS_TAU");
         auto program = build_program(gl, "post_fullscreen.vert", "fog_pass.frag", defines);
-        if (!program) return program;
-        gl.UseProgram(program->name());
-        for (const auto& sampler : kSamplers)
-            if (const GLint at = gl.GetUniformLocation(program->name(), sampler.name); at >= 0)
-                gl.Uniform1i(at, sampler.unit);
-        bind_block(program->name(), "FogBlock", kFogBinding);
-        bind_block(program->name(), "ViewBlock", kViewBinding);
-        bind_block(program->name(), "PaperBlock", kPaperBinding);
-        bind_block(program->name(), "RadialBlock", kRadialBinding);
-        gl.UseProgram(0);
+        if (program) connect_inputs(gl, *program, kSamplers, kBlocks);
         return program;
     }
 
@@ -157,21 +149,9 @@ struct FogPass::Impl {
         return made;
     }
 
-    void bind_block(GLuint program, const char* name, GLuint binding) const {
-        const GLuint index = gl.GetUniformBlockIndex(program, name);
-        if (index != GL_INVALID_INDEX) gl.UniformBlockBinding(program, index, binding);
-    }
-
     void bind_texture(GLint unit, GLuint texture) const {
         gl.ActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
         gl.BindTexture(GL_TEXTURE_2D, texture);
-    }
-
-    template <class Block>
-    void upload(const Buffer& buffer, GLuint binding, const Block& block) const {
-        gl.BindBuffer(GL_UNIFORM_BUFFER, buffer.name());
-        gl.BufferData(GL_UNIFORM_BUFFER, sizeof(Block), &block, GL_DYNAMIC_DRAW);
-        gl.BindBufferBase(GL_UNIFORM_BUFFER, binding, buffer.name());
     }
 
     void make_partial_targets(int w, int h) {
@@ -215,8 +195,9 @@ struct FogPass::Impl {
         const std::size_t count = std::max<std::size_t>(fogs.size(), 1);
         if (count > 1) make_partial_targets(frame.width, frame.height);
         const auto matrices = camera_matrices(camera, frame.width, frame.height);
-        upload(view_uniforms, kViewBinding,
-               view_block(matrices, camera, frame.width, frame.height, fog_colour, method.samples));
+        upload_uniforms(
+            gl, view_uniforms, kViewBinding,
+            view_block(matrices, camera, frame.width, frame.height, fog_colour, method.samples));
         gl.Viewport(0, 0, frame.width, frame.height);
         gl.Disable(GL_DEPTH_TEST);
         gl.Disable(GL_BLEND);
@@ -230,13 +211,14 @@ struct FogPass::Impl {
             gl.UseProgram(last && colour ? used.last_colour.name() : used.add_tau[i].name());
             if (!fogs.empty()) {
                 const auto& fog = *fogs[i]->impl_;
-                upload(fog_uniforms, kFogBinding,
-                       fog_block(fog.facts, camera.eye, method.mu, seconds, sky_limit(camera)));
+                upload_uniforms(
+                    gl, fog_uniforms, kFogBinding,
+                    fog_block(fog.facts, camera.eye, method.mu, seconds, sky_limit(camera)));
                 bind_texture(0, fog.cells.name());
                 bind_texture(1, fog.map.name());
             }
             if (i < paper.size()) {
-                upload(paper_uniforms, kPaperBinding, paper[i].block);
+                upload_uniforms(gl, paper_uniforms, kPaperBinding, paper[i].block);
                 bind_texture(5, paper[i].bands.name());
                 bind_texture(6, paper[i].paths.name());
                 bind_texture(7, paper[i].partials.name());

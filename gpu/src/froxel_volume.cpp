@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "program_inputs.h"
 #include "wavefog/gpu/pixel_rays.h"
 
 namespace wavefog {
@@ -25,18 +26,15 @@ constexpr int kGroup = 8;
 
 constexpr GLuint kFogBinding = 0, kFroxelBinding = 1;
 // Texture and image units of the shaders' uniforms.
-struct Unit {
-    const char* name;
-    GLint unit;
-};
 constexpr GLint kDepthUnit = 0, kColourUnit = 1, kVolumeUnit = 2, kMapUnit = 3;
 constexpr GLint kExtinctionImage = 0, kVolumeImage = 1;
-constexpr Unit kSamplers[] = {{"scene_depth", kDepthUnit},
-                              {"scene_colour", kColourUnit},
-                              {"froxel_volume", kVolumeUnit},
-                              {"fog_map", kMapUnit}};
-constexpr Unit kImages[] = {{"froxel_extinction", kExtinctionImage},
-                            {"froxel_volume", kVolumeImage}};
+constexpr UnitOf kSamplers[] = {{"scene_depth", kDepthUnit},
+                                {"scene_colour", kColourUnit},
+                                {"froxel_volume", kVolumeUnit},
+                                {"fog_map", kMapUnit}};
+constexpr UnitOf kImages[] = {{"froxel_extinction", kExtinctionImage},
+                              {"froxel_volume", kVolumeImage}};
+constexpr BindingOf kBlocks[] = {{"FogBlock", kFogBinding}, {"FroxelBlock", kFroxelBinding}};
 
 /// Points with normal . point <= offset.
 struct HalfSpace {
@@ -47,9 +45,7 @@ struct HalfSpace {
 /// Planes of the view's sides, of depth 0 and of `limit`; points are relative to the eye.
 std::vector<HalfSpace> view_volume(const CameraMatrices& matrices, double near_depth,
                                    double limit) {
-    Eigen::Matrix4d rotation = matrices.view;
-    rotation.topRightCorner<3, 1>().setZero();
-    const Eigen::Matrix4d clip = matrices.projection * rotation;
+    const Eigen::Matrix4d clip = clip_from_eye(matrices);
     std::vector<HalfSpace> planes;
     for (int axis = 0; axis < 2; ++axis)
         for (const double sign : {1.0, -1.0}) {
@@ -57,7 +53,7 @@ std::vector<HalfSpace> view_volume(const CameraMatrices& matrices, double near_d
             const double length = row.head<3>().norm();
             planes.push_back({row.head<3>() / length, -row.w() / length});
         }
-    const Eigen::Vector3d forward = -rotation.row(2).head<3>().transpose();
+    const Eigen::Vector3d forward = -matrices.view.row(2).head<3>().transpose();
     planes.push_back({-forward, -near_depth});
     planes.push_back({forward, near_depth + limit});
     return planes;
@@ -179,37 +175,16 @@ shader::FroxelBlock froxel_block(const std::vector<FroxelFog>& fogs, const int (
     return block;
 }
 
-template <class Block>
-void upload(const Gl& gl, const Buffer& buffer, GLuint binding, const Block& block) {
-    gl.BindBuffer(GL_UNIFORM_BUFFER, buffer.name());
-    gl.BufferData(GL_UNIFORM_BUFFER, sizeof(Block), &block, GL_DYNAMIC_DRAW);
-    gl.BindBufferBase(GL_UNIFORM_BUFFER, binding, buffer.name());
-}
-
 void bind_texture(const Gl& gl, GLint unit, GLenum target, GLuint texture) {
     gl.ActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
     gl.BindTexture(target, texture);
 }
 
-template <std::size_t N>
-void assign_units(const Gl& gl, GLuint program, const Unit (&units)[N]) {
-    for (const auto& unit : units)
-        if (const GLint at = gl.GetUniformLocation(program, unit.name); at >= 0)
-            gl.Uniform1i(at, unit.unit);
-}
-
 /// Tells a freshly built program its units and blocks.
 Result<Program> connect(const Gl& gl, Result<Program> program, bool compute) {
     if (!program) return program;
-    const GLuint name = program->name();
-    gl.UseProgram(name);
-    assign_units(gl, name, kSamplers);
-    if (compute) assign_units(gl, name, kImages);
-    gl.UseProgram(0);
-    for (const auto& [block, binding] :
-         {std::pair{"FogBlock", kFogBinding}, std::pair{"FroxelBlock", kFroxelBinding}})
-        if (const GLuint index = gl.GetUniformBlockIndex(name, block); index != GL_INVALID_INDEX)
-            gl.UniformBlockBinding(name, index, binding);
+    connect_inputs(gl, *program, kSamplers, kBlocks);
+    if (compute) connect_inputs(gl, *program, kImages, {});
     return program;
 }
 
@@ -308,8 +283,8 @@ void FroxelVolume::build(const Camera& camera, double seconds) const {
                         GL_R32F);
     gl.BindImageTexture(kVolumeImage, volume_.name(), 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_RGBA16F);
     for (std::size_t i = 0; i < fogs_.size(); ++i) {
-        upload(gl, fog_uniforms_, kFogBinding,
-               fog_block(*fogs_[i].facts, camera.eye, 1, seconds, sky_limit(camera)));
+        upload_uniforms(gl, fog_uniforms_, kFogBinding,
+                        fog_block(*fogs_[i].facts, camera.eye, 1, seconds, sky_limit(camera)));
         bind_texture(gl, kMapUnit, GL_TEXTURE_2D, fogs_[i].map);
         gl.UseProgram(density_[i].name());
         // Stores wait for the reads of the frame before and for the fog before.
@@ -328,8 +303,9 @@ void FroxelVolume::build(const Camera& camera, double seconds) const {
 void FroxelVolume::draw(const FrameTarget& frame, const Camera& camera, GLuint output,
                         double seconds, bool colour) const {
     const Gl& gl = *gl_;
-    upload(gl, froxel_uniforms_, kFroxelBinding,
-           froxel_block(fogs_, size_, fog_colour_, camera, frame.width, frame.height, seconds));
+    upload_uniforms(
+        gl, froxel_uniforms_, kFroxelBinding,
+        froxel_block(fogs_, size_, fog_colour_, camera, frame.width, frame.height, seconds));
     build(camera, seconds);
     gl.BindFramebuffer(GL_FRAMEBUFFER, output);
     gl.Viewport(0, 0, frame.width, frame.height);

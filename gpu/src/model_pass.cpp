@@ -2,6 +2,7 @@
 
 #include "fog_uniforms.h"
 #include "model_block.h"
+#include "program_inputs.h"
 #include "wavefog/gpu/pixel_rays.h"
 
 namespace wavefog {
@@ -9,10 +10,8 @@ namespace {
 
 constexpr GLuint kModelBinding = 0, kViewBinding = 1;
 // Texture units of the samplers of fog_pass.frag that this pass reads.
-constexpr struct {
-    const char* name;
-    GLint unit;
-} kSamplers[] = {{"scene_depth", 0}, {"scene_colour", 1}, {"previous_tau", 2}};
+constexpr UnitOf kSamplers[] = {{"scene_depth", 0}, {"scene_colour", 1}, {"previous_tau", 2}};
+constexpr BindingOf kBlocks[] = {{"ModelBlock", kModelBinding}, {"ViewBlock", kViewBinding}};
 
 Result<Program> make_program(const Gl& gl, bool after_maps, bool colour) {
     // FOG_METHOD_MODELS of fog_pass.frag.
@@ -20,26 +19,8 @@ Result<Program> make_program(const Gl& gl, bool after_maps, bool colour) {
     if (!colour) defines.push_back("FOG_OUTPUT_TAU");
     if (after_maps) defines.push_back("FOG_PREVIOUS_TAU");
     auto program = build_program(gl, "post_fullscreen.vert", "fog_pass.frag", defines);
-    if (!program) return program;
-    gl.UseProgram(program->name());
-    for (const auto& sampler : kSamplers)
-        if (const GLint at = gl.GetUniformLocation(program->name(), sampler.name); at >= 0)
-            gl.Uniform1i(at, sampler.unit);
-    const auto bind = [&](const char* name, GLuint binding) {
-        const GLuint index = gl.GetUniformBlockIndex(program->name(), name);
-        if (index != GL_INVALID_INDEX) gl.UniformBlockBinding(program->name(), index, binding);
-    };
-    bind("ModelBlock", kModelBinding);
-    bind("ViewBlock", kViewBinding);
-    gl.UseProgram(0);
+    if (program) connect_inputs(gl, *program, kSamplers, kBlocks);
     return program;
-}
-
-template <class Block>
-void upload(const Gl& gl, const Buffer& buffer, GLuint binding, const Block& block) {
-    gl.BindBuffer(GL_UNIFORM_BUFFER, buffer.name());
-    gl.BufferData(GL_UNIFORM_BUFFER, sizeof(Block), &block, GL_DYNAMIC_DRAW);
-    gl.BindBufferBase(GL_UNIFORM_BUFFER, binding, buffer.name());
 }
 
 }  // namespace
@@ -82,10 +63,11 @@ GLuint ModelPass::maps_target(const FrameTarget& frame) {
 void ModelPass::draw(const FrameTarget& frame, const Camera& camera, GLuint output,
                      bool colour) const {
     const Gl& gl = *gl_;
-    upload(gl, model_uniforms_, kModelBinding, model_block(models_, camera.eye, sky_limit(camera)));
+    upload_uniforms(gl, model_uniforms_, kModelBinding,
+                    model_block(models_, camera.eye, sky_limit(camera)));
     const auto matrices = camera_matrices(camera, frame.width, frame.height);
-    upload(gl, view_uniforms_, kViewBinding,
-           view_block(matrices, camera, frame.width, frame.height, fog_colour_, 0));
+    upload_uniforms(gl, view_uniforms_, kViewBinding,
+                    view_block(matrices, camera, frame.width, frame.height, fog_colour_, 0));
     gl.BindFramebuffer(GL_FRAMEBUFFER, output);
     gl.Viewport(0, 0, frame.width, frame.height);
     gl.Disable(GL_DEPTH_TEST);

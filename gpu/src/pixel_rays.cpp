@@ -9,10 +9,14 @@ double sky_limit(const Camera& camera) {
     return std::isfinite(camera.far_plane) ? camera.far_plane : 1e6;
 }
 
-Eigen::Matrix4d eye_from_clip(const CameraMatrices& matrices) {
+Eigen::Matrix4d clip_from_eye(const CameraMatrices& matrices) {
     Eigen::Matrix4d rotation = matrices.view;
     rotation.topRightCorner<3, 1>().setZero();
-    return (matrices.projection * rotation).inverse();
+    return matrices.projection * rotation;
+}
+
+Eigen::Matrix4d eye_from_clip(const CameraMatrices& matrices) {
+    return clip_from_eye(matrices).inverse();
 }
 
 PixelRays::PixelRays(const Camera& camera, int width, int height)

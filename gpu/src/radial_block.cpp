@@ -1,13 +1,14 @@
 #include "radial_block.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <numeric>
+
+#include "wavefog/gpu/pixel_rays.h"
 
 namespace wavefog {
 namespace {
@@ -140,15 +141,13 @@ double coordinate_of(double angle, double bend, bool wide) {
 
 RadialView radial_view(const CameraMatrices& matrices, const Camera& camera, int width,
                        int height) {
-    Eigen::Matrix4d rotation = matrices.view;
-    rotation.topRightCorner<3, 1>().setZero();
-    const Eigen::Matrix4d clip_of = matrices.projection * rotation;
-    const Eigen::Matrix4d from_clip = clip_of.inverse();
+    const Eigen::Matrix4d to_clip = clip_from_eye(matrices);
+    const Eigen::Matrix4d from_clip = eye_from_clip(matrices);
     RadialView view;
     view.pixel = 2 * std::tan(camera.fov_y_deg * std::numbers::pi / 360) / height;
-    const Eigen::Vector3d forward = -rotation.row(2).head<3>().transpose();
+    const Eigen::Vector3d forward = -matrices.view.row(2).head<3>().transpose();
     for (const double up : {1.0, -1.0}) {
-        const Eigen::Vector4d c = clip_of * Eigen::Vector4d(0, up, 0, 0);
+        const Eigen::Vector4d c = to_clip * Eigen::Vector4d(0, up, 0, 0);
         if (c.w() >= 0 && std::abs(c.x()) <= c.w() && std::abs(c.y()) <= c.w()) return view;
     }
     const Vector2d along(forward.x(), forward.z());
@@ -165,7 +164,7 @@ RadialView radial_view(const CameraMatrices& matrices, const Camera& camera, int
             view.first = std::min(view.first, angle);
             view.last = std::max(view.last, angle);
         }
-    const bool level = std::abs(forward.y()) < 1e-9 && std::abs(rotation(0, 1)) < 1e-9;
+    const bool level = std::abs(forward.y()) < 1e-9 && std::abs(matrices.view(0, 1)) < 1e-9;
     if (level) view.level_pixels = width;
     return view;
 }

@@ -2,11 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <cstring>
+
+#include "program_inputs.h"
+
 namespace wavefog {
 namespace {
 
 constexpr GLuint kFogBinding = 0, kRadialBinding = 1;
 constexpr GLint kCellsUnit = 0, kImage = 0;
+constexpr UnitOf kInputs[] = {{"fog_cells", kCellsUnit}, {"radial_image", kImage}};
+constexpr BindingOf kBlocks[] = {{"FogBlock", kFogBinding}, {"RadialBlock", kRadialBinding}};
 constexpr int kGroup = 32;  // local_size_x of radial_fill.comp
 
 struct Format {
@@ -16,13 +22,6 @@ struct Format {
 Format format_of(int channels) {
     if (channels == 1) return {GL_R32F, "r32f"};
     return channels == 2 ? Format{GL_RG32F, "rg32f"} : Format{GL_RGBA32F, "rgba32f"};
-}
-
-void upload(const Gl& gl, const Buffer& buffer, GLuint binding, const void* data,
-            std::size_t bytes) {
-    gl.BindBuffer(GL_UNIFORM_BUFFER, buffer.name());
-    gl.BufferData(GL_UNIFORM_BUFFER, static_cast<GLsizeiptr>(bytes), data, GL_DYNAMIC_DRAW);
-    gl.BindBufferBase(GL_UNIFORM_BUFFER, binding, buffer.name());
 }
 
 }  // namespace
@@ -47,13 +46,7 @@ Result<RadialTable> RadialTable::create(const Gl& gl, const FogFacts& fog, const
     auto fill = build_compute_program(gl, "radial_fill.comp", defines);
     if (!fill) return tl::unexpected(fill.error());
     table.fill_ = std::move(*fill);
-    const GLuint name = table.fill_.name();
-    gl.UseProgram(name);
-    gl.Uniform1i(gl.GetUniformLocation(name, "fog_cells"), kCellsUnit);
-    gl.Uniform1i(gl.GetUniformLocation(name, "radial_image"), kImage);
-    gl.UseProgram(0);
-    gl.UniformBlockBinding(name, gl.GetUniformBlockIndex(name, "FogBlock"), kFogBinding);
-    gl.UniformBlockBinding(name, gl.GetUniformBlockIndex(name, "RadialBlock"), kRadialBinding);
+    connect_inputs(gl, table.fill_, kInputs, kBlocks);
 
     table.table_ =
         make_texture_2d(gl, format.format, shape.columns, height, GL_RED, GL_FLOAT, nullptr);
@@ -80,8 +73,8 @@ void RadialTable::update(const shader::FogBlock& fog, const shader::RadialBlock&
     fog_ = fog;
     radial_ = radial;
     const Gl& gl = *gl_;
-    upload(gl, fog_uniforms_, kFogBinding, &fog, sizeof(fog));
-    upload(gl, radial_uniforms_, kRadialBinding, &radial, sizeof(radial));
+    upload_uniforms(gl, fog_uniforms_, kFogBinding, fog);
+    upload_uniforms(gl, radial_uniforms_, kRadialBinding, radial);
     gl.ActiveTexture(GL_TEXTURE0 + kCellsUnit);
     gl.BindTexture(GL_TEXTURE_2D, cells);
     gl.BindImageTexture(kImage, table_.name(), 0, GL_FALSE, 0, GL_WRITE_ONLY,

@@ -1,8 +1,6 @@
 // Method radial: the table on the GPU (shaders/fog_radial.glsl).
 #pragma once
 
-#include <cstring>
-
 #include "radial_block.h"
 
 namespace wavefog {

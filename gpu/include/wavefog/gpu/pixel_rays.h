@@ -12,8 +12,9 @@ namespace wavefog {
 /// Sky rays end here when nothing else ends them, metres: the far plane, or 1000 km without one.
 double sky_limit(const Camera& camera);
 
-/// From clip coordinates to world directions from the eye: of the view only its rotation, so that
-/// no world coordinate costs precision.
+/// From world directions from the eye to clip coordinates: of the view only its rotation, so that
+/// no world coordinate costs precision. And back.
+Eigen::Matrix4d clip_from_eye(const CameraMatrices& matrices);
 Eigen::Matrix4d eye_from_clip(const CameraMatrices& matrices);
 
 /// `sky` pixels have no end point.
