@@ -14,6 +14,7 @@
 #include "parallel.h"
 #include "report.h"
 #include "transmittance.h"
+#include "wavefog/fogmap/coarsen.h"
 #include "wavefog/fogmap/fog_file.h"
 #include "wavefog/fogmap/image.h"
 #include "wavefog/fogmap/wfog.h"
@@ -91,8 +92,7 @@ Result<Fog> fog_of_fog(const ConvertOptions& options, Grid<float>& pixels) {
     again.family = options.family;
     if (again.family.empty() && again.degree == old.degree() && again.form == old.form)
         again.family = old.family.name();
-    // Coefficients that were 0 can come back as -1e-9; a map has none below 0.
-    if (pixels.size() == 0) pixels = reconstruct(old).cwiseMax(0.0f);
+    if (pixels.size() == 0) pixels = map_of(*fog);
     Result<Fog> changed = make_fog(pixels, again);
     if (!changed) return changed;
     fog->decomposition = std::move(changed->decomposition);

@@ -7,24 +7,10 @@
 
 #include "options.h"
 #include "report.h"
+#include "wavefog/fogmap/coarsen.h"
 
 namespace wavefog::cli {
 namespace {
-
-/// The finest map of a fog. Rounding of the inverse transform may leave -1e-8 where the map is 0.
-Grid<float> map_of(const Fog& fog) {
-    return reconstruct(fog.decomposition).max(0.0f);
-}
-
-Result<Fog> decomposed(const Grid<float>& map, const FogOptions& options, const Fog& like) {
-    Result<Fog> fog = make_fog(map, options);
-    if (!fog) return fog;
-    fog->rect = like.rect;
-    fog->extinction = like.extinction;
-    fog->profile = like.profile;
-    fog->wind = like.wind;
-    return fog;
-}
 
 /// Joins different words with "+"; equal words once.
 void join(std::string& text, const std::string& word) {
@@ -86,8 +72,7 @@ Grid<float> sized_map(const Grid<float>& map, int n) {
 Result<std::vector<Fog>> undecomposed(const std::vector<Fog>& fogs) {
     std::vector<Fog> result;
     for (const Fog& fog : fogs) {
-        FogOptions options{fog.degree(), "", Form::wavelet, 0, fog.decomposition.boundary};
-        Result<Fog> made = decomposed(map_of(fog), options, fog);
+        Result<Fog> made = decomposed_as(fog, fog.degree(), 0);
         if (!made) return tl::unexpected(made.error());
         result.push_back(*std::move(made));
     }
@@ -110,9 +95,9 @@ Result<Variant> make_variant(const BenchScene& scene, const VariantOptions& opti
             const bool keeps_family = degree == d.degree() && form == d.form;
             const std::string family =
                 options.family.value_or(keeps_family ? d.family.name() : std::string());
-            Result<Fog> made = decomposed(
-                map, {degree, family, form, options.levels.value_or(d.levels()), d.boundary},
-                source);
+            Result<Fog> made =
+                fog_like(source, map,
+                         {degree, family, form, options.levels.value_or(d.levels()), d.boundary});
             if (!made) return tl::unexpected(made.error());
             fog = *std::move(made);
         }

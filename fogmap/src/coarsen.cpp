@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 
 namespace wavefog {
-namespace {
 
-/// `map` decomposed anew, in the place of `like`.
-Result<Fog> made_like(const Fog& like, const Grid<float>& map, const FogOptions& options) {
+Result<Fog> fog_like(const Fog& like, const Grid<float>& map, const FogOptions& options) {
     Result<Fog> made = make_fog(map, options);
     if (!made) return made;
     made->rect = like.rect;
@@ -16,7 +14,9 @@ Result<Fog> made_like(const Fog& like, const Grid<float>& map, const FogOptions&
     return made;
 }
 
-}  // namespace
+Grid<float> map_of(const Fog& fog) {
+    return reconstruct(fog.decomposition).max(0.0f);
+}
 
 Result<Fog> without_finest(const Fog& fog, int dropped) {
     const Decomposition<float>& d = fog.decomposition;
@@ -27,8 +27,8 @@ Result<Fog> without_finest(const Fog& fog, int dropped) {
     const Pyramid<float> pyramid = approximations(d);
     const Band<float>& kept = pyramid.levels[std::size_t(d.levels() - dropped)];
     Result<Fog> made =
-        made_like(fog, kept.values.max(0.0f),
-                  {d.degree(), d.family.name(), d.form, d.levels() - dropped, d.boundary});
+        fog_like(fog, kept.values.max(0.0f),
+                 {d.degree(), d.family.name(), d.form, d.levels() - dropped, d.boundary});
     if (!made) return made;
     // Decomposition's coordinates: coefficient k of cells `size` wide begins at u = size k, and the
     // picture's left edge lies half a degree after that of its first coefficient.
@@ -45,8 +45,7 @@ Result<Fog> without_finest(const Fog& fog, int dropped) {
 
 Result<Fog> decomposed_as(const Fog& fog, int degree, int levels) {
     const Decomposition<float>& d = fog.decomposition;
-    return made_like(fog, reconstruct(d).max(0.0f),
-                     {.degree = degree, .levels = levels, .boundary = d.boundary});
+    return fog_like(fog, map_of(fog), {.degree = degree, .levels = levels, .boundary = d.boundary});
 }
 
 }  // namespace wavefog

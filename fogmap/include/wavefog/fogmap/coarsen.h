@@ -1,9 +1,16 @@
-// Smaller fogs from large ones.
+// Fogs from fogs: of other pixels, smaller ones, of another degree.
 #pragma once
 
 #include "wavefog/fogmap/fog.h"
 
 namespace wavefog {
+
+/// `map` decomposed as `options` say, in the place, thickness and wind of `like`.
+Result<Fog> fog_like(const Fog& like, const Grid<float>& map, const FogOptions& options);
+
+/// The fog's finest map. Rounding of the inverse transform may leave -1e-8 where it is 0: that
+/// becomes 0.
+Grid<float> map_of(const Fog& fog);
 
 /// The fog without its `dropped` finest levels: an approximation of the pyramid becomes the map.
 /// The function is the one that mu = 0 leaves of a fog of `dropped` levels, but for coefficients
