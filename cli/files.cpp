@@ -105,6 +105,7 @@ fs::path description_of(const fs::path& fog_file) {
 
 std::vector<fs::path> fog_files(const fs::path& fog_file) {
     if (extension_of(fog_file) == ".wfog") return {fog_file};
+    if (extension_of(fog_file) == ".wfog") return {fog_file};
     const fs::path description = description_of(fog_file);
     std::ifstream stream(description);
     const auto facts = nlohmann::json::parse(stream, nullptr, false);

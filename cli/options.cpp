@@ -167,4 +167,11 @@ Result<int> parse_choice(std::string_view text, const std::vector<std::string>& 
     return usage_error(fmt::format("'{}' is not known; use {}", text, fmt::join(names, ", ")));
 }
 
+void add_context(CLI::App& app, std::string& context) {
+    app.add_option("--context", context,
+                   "OpenGL by osmesa (no display, no GPU) or egl (a GPU without a display) "
+                   "(osmesa)")
+        ->type_name("osmesa|egl");
+}
+
 }  // namespace wavefog::cli

@@ -65,6 +65,9 @@ CLI::Option* add_parsed(CLI::App& app, const std::string& flag, Target& target, 
         ->type_name(value_name);
 }
 
+/// --context osmesa|egl, for create_context().
+void add_context(CLI::App& app, std::string& context);
+
 namespace detail {
 template <class T>
 struct Unwrapped {

@@ -130,10 +130,7 @@ Command add_render(CLI::App& root) {
     app->add_option("--transmittance", options->transmittance,
                     "Also write the transmittance of every pixel as floats")
         ->type_name("T.exr");
-    app->add_option("--context", options->context,
-                    "OpenGL by osmesa (no display, no GPU) or egl (a GPU without a display) "
-                    "(osmesa)")
-        ->type_name("osmesa|egl");
+    add_context(*app, options->context);
     add_parsed(
         *app, "--supersample", options->supersample,
         [](const std::string& text) { return parse_integer_in(text, 1, 16); }, "K",

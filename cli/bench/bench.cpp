@@ -169,10 +169,7 @@ Command add_bench(CLI::App& root) {
     app->add_flag("--reuse", options->measure.reuse,
                   "Let method radial keep its table, as a camera at rest does (it is filled anew "
                   "each frame)");
-    app->add_option("--context", options->context,
-                    "OpenGL by osmesa (no display, no GPU) or egl (a GPU without a display) "
-                    "(osmesa)")
-        ->type_name("osmesa|egl");
+    add_context(*app, options->context);
     app->add_option("--from", options->from, "Print and draw stored results instead of measuring")
         ->type_name("results.json");
     app->add_option("--readme", options->readme,

@@ -87,19 +87,27 @@ std::vector<FitSetting*> by_preference(FitSearch& search, const std::optional<do
     return order;
 }
 
-Result<Verified> search_scene(const Gl& gl, const Scene& scene, const FitOptions& options,
-                              const Size& size) {
+/// Settings are tuned on the first views and checked on the second.
+struct Views {
+    std::vector<View> tuning, held_out;
+};
+
+Result<Views> views_of(const Gl& gl, const Scene& scene, const Size& size) {
     const Result<std::vector<Fog>> truth = undecomposed(scene.fogs);
     if (!truth) return tl::unexpected(truth.error());
     const Size small = view_size(size);
-    const auto tuning = make_views(gl, scene, *truth, tuning_cameras(scene.camera), small);
+    auto tuning = make_views(gl, scene, *truth, tuning_cameras(scene.camera), small);
     if (!tuning) return tl::unexpected(tuning.error());
-    const auto held_out = make_views(gl, scene, *truth, held_out_cameras(scene.camera), small);
+    auto held_out = make_views(gl, scene, *truth, held_out_cameras(scene.camera), small);
     if (!held_out) return tl::unexpected(held_out.error());
+    return Views{*std::move(tuning), *std::move(held_out)};
+}
 
+Result<Verified> search_scene(const Gl& gl, const Scene& scene, const Views& views,
+                              const FitOptions& options, const Size& size) {
     double goal = options.max_error;
     for (int attempt = 0; attempt < kTries; ++attempt, goal *= kTighten) {
-        FitSearch search(gl, scene, *tuning);
+        FitSearch search(gl, scene, views.tuning);
         if (auto ok = search.simplify(goal * kMapShare); !ok) return tl::unexpected(ok.error());
         if (auto ok = search.try_methods(goal); !ok) return tl::unexpected(ok.error());
         if (auto ok = search.time(size); !ok) return tl::unexpected(ok.error());
@@ -113,7 +121,7 @@ Result<Verified> search_scene(const Gl& gl, const Scene& scene, const FitOptions
             verified.before_gpu_bytes = setting.pass.bytes();
         }
         for (FitSetting* setting : by_preference(search, options.target_ms)) {
-            const Result<double> unseen = largest_error(gl, setting->pass, *held_out);
+            const Result<double> unseen = largest_error(gl, setting->pass, views.held_out);
             if (!unseen) return tl::unexpected(unseen.error());
             if (*unseen > options.max_error) continue;
             verified.maps = search.maps()[setting->maps];
@@ -136,8 +144,8 @@ fs::path fog_name(const fs::path& output, std::size_t index) {
 }
 
 /// Half floats if they keep the promise too, else floats.
-Result<bool> save_maps(const Gl& gl, const Scene& scene, const std::vector<View>& views,
-                       const Verified& chosen, const FitOptions& options) {
+Result<bool> save_maps(const Gl& gl, const Scene& scene, const Views& views, const Verified& chosen,
+                       const FitOptions& options) {
     for (const bool half : {true, false}) {
         std::vector<Fog> saved;
         for (std::size_t i = 0; i < chosen.maps.fogs.size(); ++i) {
@@ -152,10 +160,13 @@ Result<bool> save_maps(const Gl& gl, const Scene& scene, const std::vector<View>
             saved.push_back(*std::move(loaded));
         }
         if (!half) return false;
-        const FitSearch search(gl, scene, views);
-        const Result<double> error = search.error(saved, chosen.method, views);
-        if (!error) return tl::unexpected(error.error());
-        if (*error <= options.max_error) return true;
+        bool keeps = true;
+        for (const std::vector<View>* seen : {&views.tuning, &views.held_out}) {
+            const Result<double> error = largest_error(gl, scene, saved, chosen.method, *seen);
+            if (!error) return tl::unexpected(error.error());
+            keeps = keeps && *error <= options.max_error;
+        }
+        if (keeps) return true;
     }
     return false;
 }
@@ -230,14 +241,10 @@ Result<void> fit(const FitOptions& options) {
     if (!context) return tl::unexpected(context.error());
     const Gl& gl = (*context)->gl();
 
-    const Result<Verified> chosen = search_scene(gl, *scene, options, size);
-    if (!chosen) return tl::unexpected(chosen.error());
-    const Result<std::vector<Fog>> truth = undecomposed(scene->fogs);
-    if (!truth) return tl::unexpected(truth.error());
-    auto cameras = tuning_cameras(scene->camera);
-    for (auto& camera : held_out_cameras(scene->camera)) cameras.push_back(std::move(camera));
-    const auto views = make_views(gl, *scene, *truth, cameras, view_size(size));
+    const Result<Views> views = views_of(gl, *scene, size);
     if (!views) return tl::unexpected(views.error());
+    const Result<Verified> chosen = search_scene(gl, *scene, *views, options, size);
+    if (!chosen) return tl::unexpected(chosen.error());
 
     const HoldInterrupts hold;
     const Result<bool> half = save_maps(gl, *scene, *views, *chosen, options);
@@ -296,10 +303,7 @@ Command add_fit(CLI::App& root) {
         "The least error within this time a frame, rather than the least time");
     add_parsed(*app, "--size", options->size, parse_size, "WxH",
                "Pixels of the timed frames (the scene's)");
-    app->add_option("--context", options->context,
-                    "OpenGL by osmesa (no display, no GPU) or egl (a GPU without a display) "
-                    "(osmesa)")
-        ->type_name("osmesa|egl");
+    add_context(*app, options->context);
     app->add_flag("--json", options->json, "Print the report as JSON");
     app->footer(
         "Leaves out levels of detail, lowers the basis, drops detail with distance (mu) and\n"

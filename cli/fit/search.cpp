@@ -19,24 +19,11 @@ constexpr const char* kMethods[] = {"radial",   "exact",    "march:8",
                                     "march:16", "march:32", "march:64"};
 constexpr double kMus[] = {1, 0.95, 0.9, 0.8, 0.6, 0.4, 0.2, 0};
 
-Method exact_method() {
-    return {};
-}
-
 }  // namespace
-
-Result<double> FitSearch::error(const std::vector<Fog>& fogs, const Method& method,
-                                const std::vector<View>& views) const {
-    const Result<std::vector<FogTextures>> textures = make_textures(gl_, fogs);
-    if (!textures) return tl::unexpected(textures.error());
-    Result<FogPass> pass = make_pass(gl_, *textures, method, scene_);
-    if (!pass) return tl::unexpected(pass.error());
-    return largest_error(gl_, *pass, views);
-}
 
 Result<FitMaps> FitSearch::drop_levels(const std::vector<Fog>& whole, double error) const {
     FitMaps maps{whole, std::vector<int>(whole.size(), 0), 0};
-    const Result<double> none = this->error(whole, exact_method(), tuning_);
+    const Result<double> none = largest_error(gl_, scene_, whole, Method{}, tuning_);
     if (!none) return tl::unexpected(none.error());
     maps.error = *none;
     if (maps.error > error) return maps;
@@ -49,7 +36,7 @@ Result<FitMaps> FitSearch::drop_levels(const std::vector<Fog>& whole, double err
             Result<Fog> coarser = without_finest(whole[i], ++next.dropped[i]);
             if (!coarser) return tl::unexpected(coarser.error());
             next.fogs[i] = *std::move(coarser);
-            const Result<double> made = this->error(next.fogs, exact_method(), tuning_);
+            const Result<double> made = largest_error(gl_, scene_, next.fogs, Method{}, tuning_);
             if (!made) return tl::unexpected(made.error());
             next.error = *made;
             if (next.error <= error && (!best || next.error < best->error)) best = std::move(next);

@@ -42,8 +42,6 @@ class FitSearch {
     const std::vector<FitMaps>& maps() const { return maps_; }
     /// Fastest first once timed.
     std::vector<FitSetting>& settings() { return settings_; }
-    Result<double> error(const std::vector<Fog>& fogs, const Method& method,
-                         const std::vector<View>& views) const;
 
   private:
     Result<FitMaps> drop_levels(const std::vector<Fog>& whole, double error) const;

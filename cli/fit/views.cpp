@@ -84,4 +84,13 @@ Result<double> largest_error(const Gl& gl, FogPass& pass, const std::vector<View
     return largest;
 }
 
+Result<double> largest_error(const Gl& gl, const Scene& scene, const std::vector<Fog>& fogs,
+                             const Method& method, const std::vector<View>& views) {
+    const Result<std::vector<FogTextures>> textures = make_textures(gl, fogs);
+    if (!textures) return tl::unexpected(textures.error());
+    Result<FogPass> pass = make_pass(gl, *textures, method, scene);
+    if (!pass) return tl::unexpected(pass.error());
+    return largest_error(gl, *pass, views);
+}
+
 }  // namespace wavefog::cli

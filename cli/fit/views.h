@@ -39,4 +39,8 @@ Result<FogPass> make_pass(const Gl& gl, const std::vector<FogTextures>& textures
 /// The largest |T - T_true| over the views' pixels.
 Result<double> largest_error(const Gl& gl, FogPass& pass, const std::vector<View>& views);
 
+/// The same of fogs that are drawn for this alone.
+Result<double> largest_error(const Gl& gl, const Scene& scene, const std::vector<Fog>& fogs,
+                             const Method& method, const std::vector<View>& views);
+
 }  // namespace wavefog::cli
