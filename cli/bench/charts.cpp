@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "bench/advantage.h"
 #include "bench/compression.h"
 
 namespace wavefog::cli {
@@ -99,6 +100,8 @@ Figure error_figure(const std::vector<Row>& rows) {
         if (front.size() == 1 && !figure.notes.empty() && figure.notes.back().key == method)
             figure.notes.pop_back();
     }
+    if (Curve bar = five_times_ours(rows); bar.points.size() > 1)
+        figure.curves.push_back(std::move(bar));
     return figure;
 }
 

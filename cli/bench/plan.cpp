@@ -72,13 +72,28 @@ Result<std::vector<Group>> plan_chart(const std::vector<BenchScene>& scenes,
     const auto wavelet_methods = options.methods.empty()
                                      ? methods_named({"exact", "paper", "paper-scaling"})
                                      : options.methods;
-    const auto baselines =
-        options.methods.empty()
-            ? methods_named({"radial:128x32", "radial:256x64", "radial:512x128", "radial:1024x256",
-                             "radial:2048x512", "march:8", "march:16", "march:32", "march:64",
-                             "march:128", "march:256", "march:512", "froxel:80x45x32",
-                             "froxel:160x90x64", "froxel:240x135x64", "froxel:320x180x128"})
-            : std::vector<Method>{};
+    const auto baselines = options.methods.empty() ? methods_named({"radial:128x32",
+                                                                    "radial:256x64",
+                                                                    "radial:512x128",
+                                                                    "radial:1024x256",
+                                                                    "radial:2048x512",
+                                                                    "radial:512x64:step",
+                                                                    "radial:1024x128:step",
+                                                                    "radial:2048x256:step",
+                                                                    "radial:4096x256:step",
+                                                                    "march:4",
+                                                                    "march:8",
+                                                                    "march:16",
+                                                                    "march:32",
+                                                                    "march:64",
+                                                                    "march:128",
+                                                                    "march:256",
+                                                                    "march:512",
+                                                                    "froxel:80x45x32",
+                                                                    "froxel:160x90x64",
+                                                                    "froxel:240x135x64",
+                                                                    "froxel:320x180x128"})
+                                                   : std::vector<Method>{};
     const auto mus = options.mus.empty() ? chart_mus : options.mus;
     const auto levels = options.levels.empty() ? std::vector<int>{3, 1, 2, 4, 5} : options.levels;
     std::vector<Group> groups;

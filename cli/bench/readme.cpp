@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "bench/advantage.h"
 #include "bench/compression.h"
 #include "bench/paper_tables.h"
 #include "bench/scale.h"
@@ -42,6 +43,10 @@ std::string report_text(const Results& results, bool markdown) {
         text = compression_text(results.compression, markdown);
     else if (results.preset() == "scale")
         text = scale_table_text(results.rows, markdown);
+    else if (results.preset() == "chart")
+        // The README has the charts themselves.
+        text = (markdown ? "" : rows_text(results.rows, markdown) + "\n") +
+               advantage_text(results.rows, markdown);
     else if (!results.rows.empty())
         text = rows_text(results.rows, markdown);
     for (const Figure& figure : results.figures)

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "bench/accuracy.h"
+#include "bench/advantage.h"
 #include "bench/charts.h"
 #include "bench/gnuplot.h"
 #include "bench/output.h"
@@ -256,6 +257,29 @@ TEST_CASE("bench: the chart of cost against error joins the best settings of eac
     CHECK(program.find("set output \"it's.svg\"") != std::string::npos);
     CHECK(program.find("set logscale x2") != std::string::npos);
     CHECK(program.find("N = 64") != std::string::npos);
+}
+
+TEST_CASE("bench: ours against march and froxel at equal error") {
+    // ratio_homogeneous is ms / 2.
+    const std::vector<Row> rows = {row("radial", 3, 5e-4),     row("exact", 10, 5e-7),
+                                   row("march:8", 6, 5e-2),    row("march:64", 40, 5e-4),
+                                   row("froxel", 5, 0.09),     row("paper", 1, 1e-6),
+                                   row("march:512", 300, 2e-5)};
+    const std::string text = advantage_text(rows, true);
+    // At 1e-1 froxel is theirs, 2.5 against 1.5; at 1e-3 march:64, 20 against 1.5.
+    CHECK(text.find("| hill, 1e-01") != std::string::npos);
+    CHECK(text.find("1.67 |") != std::string::npos);
+    CHECK(text.find("13.3 |") != std::string::npos);
+    CHECK(text.find("30.0 |") != std::string::npos);  // 1e-4: exact against march:512
+    CHECK(text.find("none |") != std::string::npos);  // 1e-5: theirs do not reach it
+    CHECK(text.find("paper") == std::string::npos);
+
+    const Curve bar = five_times_ours(rows);
+    REQUIRE(bar.points.size() == 3);  // radial, a step to exact's cost, exact
+    CHECK(bar.points[0] == std::pair(7.5, 5e-4));
+    CHECK(bar.points[1] == std::pair(25.0, 5e-4));
+    CHECK(bar.points[2] == std::pair(25.0, 5e-7));
+    CHECK(five_times_ours({row("march:8", 6, 5e-2)}).points.empty());
 }
 
 TEST_CASE("bench: a chart leaves out what a logarithmic axis cannot show, and means no markup") {
