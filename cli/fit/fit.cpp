@@ -114,9 +114,10 @@ Facts fog_rows(const Scene& scene, const FitMaps& maps) {
     return rows;
 }
 
-Facts before_after(double before, double after) {
+template <class Number>
+Facts before_after(Number before, Number after) {
     Facts facts = {{"before", before}, {"after", after}};
-    if (after > 0) facts["ratio"] = before / after;
+    if (after > 0) facts["ratio"] = double(before) / double(after);
     return facts;
 }
 
@@ -135,7 +136,7 @@ std::string advice(const Scene& scene, const FitMaps& maps) {
 Facts facts_of(const Scene& scene, const FitChoice& chosen, const FitOptions& options, bool half) {
     FitMaps before;
     before.fogs = scene.fogs;
-    const double bytes_each = half ? 2 : 4;
+    const std::size_t bytes_each = half ? 2 : 4;
     std::uintmax_t file_bytes_after = 0;
     for (const std::size_t fog : chosen.maps.which)
         for (const fs::path& file : fog_files(fog_name(options.output, fog)))
@@ -143,17 +144,16 @@ Facts facts_of(const Scene& scene, const FitChoice& chosen, const FitOptions& op
     Facts facts = {{"wrote", options.output.string()}};
     if (const std::string words = advice(scene, chosen.maps); !words.empty())
         facts["advice"] = words;
-    facts.update(
-        {{"method", chosen.method.name()},
-         {"mu", chosen.method.mu},
-         {"max_error", options.max_error},
-         {"max_dT_tuning", chosen.tuning.error},
-         {"max_dT_held_out", chosen.held_out.error},
-         {"cameras", 1 + scene.cameras.size()},
-         {"ms", before_after(chosen.before_ms, chosen.ms)},
-         {"gpu_bytes", before_after(double(chosen.before_gpu_bytes), double(chosen.gpu_bytes))},
-         {"coefficient_bytes", before_after(4.0 * double(before.coefficients()),
-                                            bytes_each * double(chosen.maps.coefficients()))}});
+    facts.update({{"method", chosen.method.name()},
+                  {"mu", chosen.method.mu},
+                  {"max_error", options.max_error},
+                  {"max_dT_tuning", chosen.tuning.error},
+                  {"max_dT_held_out", chosen.held_out.error},
+                  {"cameras", 1 + scene.cameras.size()},
+                  {"ms", before_after(chosen.before_ms, chosen.ms)},
+                  {"gpu_bytes", before_after(chosen.before_gpu_bytes, chosen.gpu_bytes)},
+                  {"coefficient_bytes", before_after(4 * before.coefficients(),
+                                                     bytes_each * chosen.maps.coefficients())}});
     if (!chosen.maps.fogs.empty()) {
         facts["precision"] = half ? "half" : "float";
         facts["file_bytes"] = file_bytes_after;

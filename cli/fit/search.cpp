@@ -16,6 +16,9 @@ constexpr double kHopeless = 2;
 constexpr const char* kMethods[] = {"exact",           "radial:256x64", "radial:512x128",
                                     "radial:1024x256", "radial",        "march:8",
                                     "march:16",        "march:32",      "march:64"};
+// Takes four times the default's memory: for errors that the default only just misses.
+constexpr const char* kLargestTable = "radial:4096x1024";
+constexpr double kJustMissed = 4;
 constexpr double kMus[] = {1, 0.95, 0.9, 0.8, 0.6, 0.4, 0.2, 0};
 
 }  // namespace
@@ -56,6 +59,12 @@ Result<void> FitSearch::try_methods(double error) {
                 // Errors grow as mu falls, and only level ranges know of mu.
                 if (!*fits || method.kind != MethodKind::exact || !details) break;
             }
+            if (method.name() != "radial" || misses_.empty()) continue;
+            const FitMiss& last = misses_.back();
+            if (last.maps == m && last.method.name() == "radial" &&
+                last.worst.error < kJustMissed * error)
+                if (const auto fits = enter(m, *parse_method(kLargestTable)); !fits)
+                    return tl::unexpected(fits.error());
         }
 
     Method own = scene_.method;
@@ -103,12 +112,13 @@ Result<void> FitSearch::time(const Size& size, double target) {
         least = std::min(least, setting->ms);
     }
     const double hopeless = kHopeless * std::max(least, target);
+    const bool slow_before = before_->ms > hopeless;
     timed.erase(std::remove_if(timed.begin() + 1, timed.end(),
                                [&](const FitSetting* s) { return s->ms > hopeless; }),
                 timed.end());
     std::vector<std::vector<Samples>> samples(timed.size(), std::vector<Samples>(cameras.size()));
     for (int round = 0; round < kTimedFrames; ++round)
-        for (std::size_t i = 0; i < timed.size(); ++i)
+        for (std::size_t i = slow_before && round > 0 ? 1 : 0; i < timed.size(); ++i)
             for (std::size_t c = 0; c < cameras.size(); ++c) samples[i][c].add(draw(*timed[i], c));
     for (std::size_t i = 0; i < timed.size(); ++i) {
         timed[i]->ms = 0;

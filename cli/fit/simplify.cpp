@@ -14,7 +14,7 @@ namespace {
 // Levels to choose from: 1024 fine cells become one.
 constexpr int kLevels = 10;
 
-std::string too_much(const Worst& worst) {
+std::string error_words(const Worst& worst) {
     return fmt::format("|dT| {:.1e} ({})", worst.error, worst.view);
 }
 
@@ -70,8 +70,8 @@ Result<FitMaps> FitSearch::drop_levels(const std::vector<Fog>& whole, const FitM
             const Result<Worst> worst = error_of(next, error);
             if (!worst) return tl::unexpected(worst.error());
             next.error = worst->error;
-            stopped[i] = fmt::format("; without {} it would be {}, too much", next.dropped[i],
-                                     too_much(*worst));
+            stopped[i] =
+                fmt::format("; without {} {}, too much", next.dropped[i], error_words(*worst));
             if (next.error <= error && (!best || next.error < best->error)) best = std::move(next);
         }
         if (!best) break;
@@ -82,8 +82,8 @@ Result<FitMaps> FitSearch::drop_levels(const std::vector<Fog>& whole, const FitM
         const Decomposition<float>& d = whole[i].decomposition;
         const std::string what =
             maps.dropped[i] == 0
-                ? std::string("no level of detail can go")
-                : fmt::format("without its {} finest of {} levels ({}x{} left)", maps.dropped[i],
+                ? std::string("no level of detail left out")
+                : fmt::format("without the finest {} of {} levels ({}x{} left)", maps.dropped[i],
                               d.levels(), maps.fogs[i].decomposition.width,
                               maps.fogs[i].decomposition.height);
         maps.why.push_back(fmt::format("{}, {}, family {}: {}, |dT| {:.1e}{}",
@@ -102,7 +102,7 @@ Result<FitMaps> FitSearch::best_family(const FitMaps& base, int degree, double e
     const Result<Worst> worst = error_of(start, error);
     if (!worst) return tl::unexpected(worst.error());
     start.error = worst->error;
-    start.why.push_back(too_much(*worst));
+    start.why.push_back(error_words(*worst));
     if (start.error > error) return start;
     start.why = base.why;
     Result<FitMaps> best = drop_levels(*whole, start, error);
@@ -156,7 +156,7 @@ Result<void> FitSearch::add_formulas(double error) {
                 std::optional<Formula> own;
                 for (Formula& formula : fit.fit(fog, maps.formulas)) {
                     if (simplest && maps.formulas.empty())
-                        why_.push_back(fmt::format("{}: in its place {}: |dT| {:.1e}{}",
+                        why_.push_back(fmt::format("{}: {} in its place: |dT| {:.1e}{}",
                                                    name_of(scene_, fog), formula.words,
                                                    formula.error,
                                                    formula.error > error ? ", too much" : ""));
