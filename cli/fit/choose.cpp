@@ -17,6 +17,7 @@ constexpr double kMapShare = 0.7;
 // If unseen views err more than allowed, the goal is tightened by this, so often.
 constexpr double kTighten = 0.6;
 constexpr int kTries = 4;
+// Times this close are noise: the least memory decides.
 constexpr double kClose = 1.25;
 
 Size view_size(const Size& size, std::size_t cameras) {
@@ -56,10 +57,11 @@ Facts kept_row(const FitSearch& search, const FitSetting& setting) {
 std::vector<FitSetting*> by_preference(FitSearch& search, const std::optional<double>& target_ms) {
     std::vector<FitSetting*> order;
     for (FitSetting& setting : search.settings()) order.push_back(&setting);
-    // Times this close are noise: the least memory decides.
     const double least = order.empty() ? 0 : order.front()->ms;
-    const auto close = std::stable_partition(
-        order.begin(), order.end(), [&](const auto* s) { return s->ms <= kClose * least; });
+    // A scene that needs no map shall have none, whatever a map of one pixel takes.
+    const auto close = std::stable_partition(order.begin(), order.end(), [&](const auto* s) {
+        return s->ms <= kClose * least || search.maps()[s->maps].fogs.empty();
+    });
     std::stable_sort(order.begin(), close, [](const auto* a, const auto* b) {
         if (a->pass.bytes() != b->pass.bytes()) return a->pass.bytes() < b->pass.bytes();
         return a->maps < b->maps;  // the simplest formula comes first
@@ -75,7 +77,9 @@ std::vector<FitSetting*> by_preference(FitSearch& search, const std::optional<do
 
 /// Why the chosen maps and method, and not less: one sentence each.
 std::vector<std::string> reasons(const FitSearch& search, const FitSetting& chosen) {
-    std::vector<std::string> why = search.why();
+    std::vector<std::string> why = {fmt::format(
+        "dropped details may take {:.0f} % of the error, the method the rest", 100 * kMapShare)};
+    why.insert(why.end(), search.why().begin(), search.why().end());
     const FitMaps& maps = search.maps()[chosen.maps];
     why.insert(why.end(), maps.why.begin(), maps.why.end());
     for (const FitMiss& miss : search.misses()) {
@@ -134,6 +138,10 @@ Result<FitChoice> choose(const Gl& gl, const Scene& scene, const FitViews& views
             choice.before_gpu_bytes = search.before().pass.bytes();
             choice.why = reasons(search, *setting);
             choice.why.insert(choice.why.end(), refused.begin(), refused.end());
+            choice.formulas = choice.maps.formulas;
+            for (const FitSetting& kept : search.settings())
+                if (choice.formulas.empty() && search.maps()[kept.maps].fogs.empty())
+                    choice.formulas = search.maps()[kept.maps].formulas;
             for (const FitSetting& kept : search.settings())
                 choice.kept.push_back(kept_row(search, kept));
             for (const FitMiss& miss : search.misses())

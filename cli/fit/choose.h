@@ -27,6 +27,7 @@ struct FitGoal {
 struct FitChoice {
     FitMaps maps;
     Method method;
+    std::vector<Formula> formulas;  ///< that keep the error, chosen or not
     Worst tuning, held_out, before;
     double ms = 0, before_ms = 0;
     std::size_t gpu_bytes = 0, before_gpu_bytes = 0;

@@ -122,9 +122,9 @@ Facts before_after(Number before, Number after) {
 }
 
 /// What a formula saves is said in words.
-std::string advice(const Scene& scene, const FitMaps& maps) {
+std::string advice(const Scene& scene, const std::vector<Formula>& formulas) {
     std::string text;
-    for (const Formula& formula : maps.formulas) {
+    for (const Formula& formula : formulas) {
         if (scene.fogs.size() == 1)
             return formula.words + " already satisfies this scene: it needs no map";
         text += fmt::format("{}{} already does for fog {}: it needs no map",
@@ -142,7 +142,7 @@ Facts facts_of(const Scene& scene, const FitChoice& chosen, const FitOptions& op
         for (const fs::path& file : fog_files(fog_name(options.output, fog)))
             file_bytes_after += file_bytes(file);
     Facts facts = {{"wrote", options.output.string()}};
-    if (const std::string words = advice(scene, chosen.maps); !words.empty())
+    if (const std::string words = advice(scene, chosen.formulas); !words.empty())
         facts["advice"] = words;
     facts.update({{"method", chosen.method.name()},
                   {"mu", chosen.method.mu},

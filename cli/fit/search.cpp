@@ -16,8 +16,8 @@ constexpr double kHopeless = 2;
 constexpr const char* kMethods[] = {"exact",           "radial:256x64", "radial:512x128",
                                     "radial:1024x256", "radial",        "march:8",
                                     "march:16",        "march:32",      "march:64"};
-// Takes four times the default's memory: for errors that the default only just misses.
-constexpr const char* kLargestTable = "radial:4096x1024";
+// Finer than the default, which fits its table to the view: for errors that it only just misses.
+constexpr const char* kFinerTables[] = {"radial:2048x512", "radial:4096x1024"};
 constexpr double kJustMissed = 4;
 constexpr double kMus[] = {1, 0.95, 0.9, 0.8, 0.6, 0.4, 0.2, 0};
 
@@ -61,10 +61,14 @@ Result<void> FitSearch::try_methods(double error) {
             }
             if (method.name() != "radial" || misses_.empty()) continue;
             const FitMiss& last = misses_.back();
-            if (last.maps == m && last.method.name() == "radial" &&
-                last.worst.error < kJustMissed * error)
-                if (const auto fits = enter(m, *parse_method(kLargestTable)); !fits)
-                    return tl::unexpected(fits.error());
+            if (last.maps != m || last.method.name() != "radial" ||
+                last.worst.error > kJustMissed * error)
+                continue;
+            for (const char* finer : kFinerTables) {
+                const Result<bool> fits = enter(m, *parse_method(finer));
+                if (!fits) return tl::unexpected(fits.error());
+                if (*fits) break;
+            }
         }
 
     Method own = scene_.method;

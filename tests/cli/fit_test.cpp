@@ -122,10 +122,11 @@ TEST_CASE("fit: one map becomes a formula, another stays, a formula stays as it 
         work, [](double x, double z) { return std::fmod(13 * x + 7 * z, 1.0) < 0.4 ? 1.0 : 0.05; });
     work.write_floats("flat.tif", 8, 8, std::vector<float>(64, 1.0f));
     json scene = json::parse(work.read_text("scene.json"));
-    scene["fog"].insert(scene["fog"].begin(), {{"image", "flat.tif"},
-                                               {"rect", {-64, -64, 64, 64}},
-                                               {"wrap", "repeat"},
-                                               {"extinction", 0.004}});
+    const json flat = {{"image", "flat.tif"},
+                       {"rect", {-64, -64, 64, 64}},
+                       {"wrap", "repeat"},
+                       {"extinction", 0.004}};
+    scene["fog"].insert(scene["fog"].begin(), flat);
     const json plane = {
         {"model", "halfspace"}, {"normal", {0, 1, 0}}, {"point", {0, 3, 0}}, {"extinction", 0.01}};
     scene["fog"].push_back(plane);
