@@ -33,8 +33,7 @@ std::string maps_text(const FitMaps& maps) {
         text += fmt::format("{}{}x{} {}", text.empty() ? "" : " + ", fog.decomposition.width,
                             fog.decomposition.height, basis_name(fog.degree()));
     for (const Formula& formula : maps.formulas)
-        text += fmt::format("{}{}", text.empty() ? "" : " + ",
-                            formula.words.substr(0, formula.words.find(" fog")));
+        text += fmt::format("{}{}", text.empty() ? "" : " + ", formula.name);
     return text;
 }
 

@@ -148,7 +148,8 @@ std::vector<Formula> FormulaFit::fit(std::size_t fog, const std::vector<Formula>
 
     std::vector<Formula> formulas;
     const auto [constant, constant_error] = best_extinction(depths(everywhere(1)), others, highest);
-    formulas.push_back({fog, fmt::format("homogeneous fog with extinction {:.4g}/m", constant),
+    formulas.push_back({fog, "homogeneous",
+                        fmt::format("homogeneous fog with extinction {:.4g}/m", constant),
                         everywhere(constant), constant_error});
     const Profile& profile = map.profile;
     if (profile.kind == Profile::Kind::uniform) return formulas;
@@ -173,13 +174,13 @@ std::vector<Formula> FormulaFit::fit(std::size_t fog, const std::vector<Formula>
     }
     const auto [halved, halved_error] = best_extinction(depths(below(plane, 1)), others, highest);
     formulas.push_back(
-        {fog,
+        {fog, "halfspace",
          fmt::format("halfspace fog below y = {:.4g} m with extinction {:.4g}/m", plane, halved),
          below(plane, halved), halved_error});
     const auto [layered, layered_error] =
         best_extinction(depths(layers(profile, 1)), others, highest);
     formulas.push_back(
-        {fog, layers_words(profile, layered), layers(profile, layered), layered_error});
+        {fog, "layers", layers_words(profile, layered), layers(profile, layered), layered_error});
     return formulas;
 }
 

@@ -12,6 +12,7 @@ namespace wavefog::cli {
 /// A fog in closed form in place of a map, its extinction fitted.
 struct Formula {
     std::size_t fog = 0;  ///< of the scene's maps
+    std::string name;     ///< homogeneous, halfspace or layers
     std::string words;    ///< "halfspace fog below y = 8 m with extinction 0.03/m"
     FogModel model;
     double error = 0;  ///< over a sample of the tuning views' pixels, the other fogs as they are
