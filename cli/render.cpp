@@ -27,6 +27,7 @@ struct RenderOptions {
     std::optional<Size> size;
     std::optional<Method> method;
     std::optional<double> mu;
+    std::optional<std::string> camera;
     std::string context = "osmesa";
     int supersample = 1;
     bool json = false;
@@ -75,6 +76,11 @@ Result<void> render(const RenderOptions& options) {
         scene->width = options.size->width;
         scene->height = options.size->height;
     }
+    if (options.camera) {
+        const Result<Camera> camera = find_camera(*scene, *options.camera);
+        if (!camera) return usage_error(options.input.string() + ": " + camera.error().message);
+        scene->camera = *camera;
+    }
     if (options.method) {
         const double mu = scene->method.mu;
         scene->method = *options.method;
@@ -99,6 +105,7 @@ Result<void> render(const RenderOptions& options) {
                    {"method", scene->method.name()},     {"mu", scene->method.mu},
                    {"supersample", options.supersample}, {"context", options.context},
                    {"renderer", frame->renderer},        {"seconds", seconds.count()}};
+    if (options.camera) facts["camera"] = *options.camera;
     if (!options.transmittance.empty()) facts["transmittance"] = options.transmittance.string();
     print_facts(facts, options.json);
     return {};
@@ -119,6 +126,9 @@ Command add_render(CLI::App& root) {
         ->type_name("FOG")
         ->allow_extra_args(false);
     add_parsed(*app, "--size", options->size, parse_size, "WxH", "Pixels (the scene's size)");
+    app->add_option("--camera", options->camera,
+                    "One of the scene's \"cameras\" (its main \"camera\")")
+        ->type_name("NAME");
     add_parsed(
         *app, "--method", options->method, parse_method, "M",
         "exact | radial | paper | paper-scaling | march:N | froxel:XxYxZ | homogeneous | reference "

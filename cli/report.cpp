@@ -13,8 +13,13 @@ namespace {
 std::string value_text(const Facts& value) {
     if (value.is_string()) return value.get<std::string>();
     if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
-    if (!value.is_array()) return value.dump();
     std::string text;
+    if (value.is_object()) {
+        for (const auto& [key, item] : value.items())
+            text += (text.empty() ? "" : ", ") + key + " " + value_text(item);
+        return text;
+    }
+    if (!value.is_array()) return value.dump();
     for (const Facts& item : value) text += (text.empty() ? "" : ", ") + value_text(item);
     return text;
 }
@@ -23,6 +28,11 @@ std::string value_text(const Facts& value) {
 std::string title_text(std::string key) {
     std::replace(key.begin(), key.end(), '_', ' ');
     return key;
+}
+
+/// Such lists are printed one a line.
+bool is_sentence(const Facts& value) {
+    return value.is_string() && value.get<std::string>().find(' ') != std::string::npos;
 }
 
 void print_table(const Facts& rows) {
@@ -56,6 +66,9 @@ void print_facts(const Facts& facts, bool as_json) {
         if (value.is_array() && !value.empty() && value.front().is_object()) {
             fmt::print("{}:\n", title_text(key));
             print_table(value);
+        } else if (value.is_array() && !value.empty() && is_sentence(value.front())) {
+            fmt::print("{}:\n", title_text(key));
+            for (const Facts& line : value) fmt::print("  {}\n", value_text(line));
         } else {
             fmt::print("{:<{}}  {}\n", title_text(key) + ":", widest + 1, value_text(value));
         }

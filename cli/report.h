@@ -13,7 +13,7 @@ namespace wavefog::cli {
 using Facts = nlohmann::ordered_json;
 
 /// Prints `facts` (an object) on stdout: indented JSON, or one `key: value` line each, with arrays
-/// of objects as tables.
+/// of objects as tables and sentences one a line.
 void print_facts(const Facts& facts, bool as_json);
 
 /// "wavefog: warning: ..." on stderr.

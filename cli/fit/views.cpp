@@ -18,33 +18,53 @@ Camera turned(Camera camera, double yaw_degrees, double lift, double forward) {
 
 }  // namespace
 
-std::vector<std::pair<std::string, Camera>> tuning_cameras(const Camera& camera) {
-    return {{"the scene's camera", camera},
-            {"15 degrees to the left", turned(camera, 15, 0, 0)},
-            {"15 degrees to the right", turned(camera, -15, 0, 0)}};
+std::vector<NamedCamera> cameras_of(const Scene& scene) {
+    std::vector<NamedCamera> cameras = {{"main", scene.camera}};
+    cameras.insert(cameras.end(), scene.cameras.begin(), scene.cameras.end());
+    return cameras;
 }
 
-std::vector<std::pair<std::string, Camera>> held_out_cameras(const Camera& camera) {
-    const double far = (camera.target - camera.eye).norm();
-    return {{"8 degrees to the left", turned(camera, 8, 0, 0)},
-            {"a little forward", turned(camera, 3, 0, 0.03)},
-            {"a little back and higher", turned(camera, -5, 0.02 * far, -0.03)}};
+std::vector<NamedCamera> tuning_cameras(const Scene& scene) {
+    std::vector<NamedCamera> all;
+    for (const auto& [name, camera] : cameras_of(scene)) {
+        all.push_back({name, camera});
+        all.push_back({name + ", 15 degrees left", turned(camera, 15, 0, 0)});
+        all.push_back({name + ", 15 degrees right", turned(camera, -15, 0, 0)});
+    }
+    return all;
+}
+
+std::vector<NamedCamera> held_out_cameras(const Scene& scene) {
+    std::vector<NamedCamera> all;
+    for (const auto& [name, camera] : cameras_of(scene)) {
+        const double far = (camera.target - camera.eye).norm();
+        all.push_back({name + ", 8 degrees left", turned(camera, 8, 0, 0)});
+        all.push_back({name + ", a little forward", turned(camera, 3, 0, 0.03)});
+        all.push_back({name + ", a little back and higher", turned(camera, -5, 0.02 * far, -0.03)});
+    }
+    return all;
 }
 
 Result<std::vector<View>> make_views(const Gl& gl, const Scene& scene, const std::vector<Fog>& fogs,
-                                     const std::vector<std::pair<std::string, Camera>>& cameras,
-                                     const Size& size) {
+                                     const std::vector<NamedCamera>& cameras, const Size& size) {
     const Result<SceneRenderer> renderer = SceneRenderer::create(gl, scene);
     if (!renderer) return tl::unexpected(renderer.error());
     std::vector<View> views;
     for (const auto& [name, camera] : cameras) {
-        View view{name, camera, make_frame_target(gl, size.width, size.height), {}};
+        View view;
+        view.name = name;
+        view.camera = camera;
+        view.frame = make_frame_target(gl, size.width, size.height);
         if (!view.frame.framebuffer)
             return usage_error("this OpenGL cannot draw so large a picture; use a smaller --size");
         renderer->draw(view.frame, camera);
-        const Image depth =
-            read_texture(gl, view.frame.depth.name(), size.width, size.height, 1, true);
-        view.truth = compute_truth(fogs, scene.models, camera, depth);
+        view.depth = read_texture(gl, view.frame.depth.name(), size.width, size.height, 1, true);
+        view.truth = compute_truth({}, scene.models, camera, view.depth);
+        for (const Fog& fog : fogs) {
+            view.parts.push_back(compute_truth({fog}, {}, camera, view.depth));
+            for (std::size_t i = 0; i < view.truth.tau.size(); ++i)
+                view.truth.tau[i] += view.parts.back().tau[i];
+        }
         views.push_back(std::move(view));
     }
     return views;
@@ -61,14 +81,16 @@ Result<std::vector<FogTextures>> make_textures(const Gl& gl, const std::vector<F
 }
 
 Result<FogPass> make_pass(const Gl& gl, const std::vector<FogTextures>& textures,
-                          const Method& method, const Scene& scene) {
+                          const Method& method, const Scene& scene,
+                          const std::vector<FogModel>& models) {
     std::vector<const FogTextures*> pointers;
     for (const FogTextures& made : textures) pointers.push_back(&made);
-    return FogPass::create(gl, pointers, method, scene.fog_colour, scene.models);
+    return FogPass::create(gl, pointers, method, scene.fog_colour, models);
 }
 
-Result<double> largest_error(const Gl& gl, FogPass& pass, const std::vector<View>& views) {
-    double largest = 0;
+Result<Worst> largest_error(const Gl& gl, FogPass& pass, const std::vector<View>& views,
+                            double limit) {
+    Worst worst;
     for (const View& view : views) {
         const int width = view.frame.width, height = view.frame.height;
         const Texture target =
@@ -77,20 +99,24 @@ Result<double> largest_error(const Gl& gl, FogPass& pass, const std::vector<View
         if (!framebuffer) return tl::unexpected(framebuffer.error());
         pass.draw_optical_depth(view.frame, view.camera, framebuffer->name());
         const Image tau = read_texture(gl, target.name(), width, height, 1);
-        for (std::size_t i = 0; i < tau.pixels.size(); ++i)
-            largest = std::max(
-                largest, std::abs(std::exp(-double(tau.pixels[i])) - std::exp(-view.truth.tau[i])));
+        for (std::size_t i = 0; i < tau.pixels.size(); ++i) {
+            const double error =
+                std::abs(std::exp(-double(tau.pixels[i])) - std::exp(-view.truth.tau[i]));
+            if (error > worst.error) worst = {error, view.name};
+        }
+        if (worst.error > limit) break;
     }
-    return largest;
+    return worst;
 }
 
-Result<double> largest_error(const Gl& gl, const Scene& scene, const std::vector<Fog>& fogs,
-                             const Method& method, const std::vector<View>& views) {
+Result<Worst> largest_error(const Gl& gl, const Scene& scene, const std::vector<Fog>& fogs,
+                            const std::vector<FogModel>& models, const Method& method,
+                            const std::vector<View>& views, double limit) {
     const Result<std::vector<FogTextures>> textures = make_textures(gl, fogs);
     if (!textures) return tl::unexpected(textures.error());
-    Result<FogPass> pass = make_pass(gl, *textures, method, scene);
+    Result<FogPass> pass = make_pass(gl, *textures, method, scene, models);
     if (!pass) return tl::unexpected(pass.error());
-    return largest_error(gl, *pass, views);
+    return largest_error(gl, *pass, views, limit);
 }
 
 }  // namespace wavefog::cli

@@ -38,9 +38,8 @@ fs::path existing_file(const JsonValue& value, const fs::path& directory) {
     return file;
 }
 
+/// The caller has looked for unknown keys.
 Camera read_camera(const JsonValue& value) {
-    value.only({"eye", "target", "up", "fov_y_deg", "near", "far", "projection", "ortho_height",
-                "depth", "lens_shift"});
     Camera camera;
     camera.eye = value.key("eye").vector3();
     camera.target = value.key("target").vector3();
@@ -89,6 +88,22 @@ Camera read_camera(const JsonValue& value) {
         value.fail(
             "up is parallel to the view from eye to target; choose another up, such as [0, 0, -1]");
     return camera;
+}
+
+std::vector<NamedCamera> read_cameras(const JsonValue& value) {
+    std::vector<NamedCamera> cameras;
+    for (const JsonValue& item : value.items()) {
+        item.only({"name", "eye", "target", "up", "fov_y_deg", "near", "far", "projection",
+                   "ortho_height", "depth", "lens_shift"});
+        const JsonValue name = item.key("name");
+        if (name.text().empty()) name.fail("is \"\"; give the camera a name");
+        for (const NamedCamera& other : cameras)
+            if (other.name == name.text())
+                name.fail(fmt::format("is \"{}\", as another camera's is; choose another name",
+                                      other.name));
+        cameras.push_back({name.text(), read_camera(item)});
+    }
+    return cameras;
 }
 
 Sun read_sun(const JsonValue& value) {
@@ -197,7 +212,8 @@ Method read_method(const JsonValue& value) {
 }
 
 Scene read_scene(const JsonValue& root, const fs::path& directory) {
-    root.only({"size", "camera", "sky", "sun", "terrain", "meshes", "fog_colour", "fog", "method"});
+    root.only({"size", "camera", "cameras", "sky", "sun", "terrain", "meshes", "fog_colour", "fog",
+               "method"});
     Scene scene;
     if (const auto size = root.find("size")) {
         const auto sides = size->items();
@@ -205,7 +221,11 @@ Scene read_scene(const JsonValue& root, const fs::path& directory) {
         scene.width = sides[0].integer(1, kMaxPixels);
         scene.height = sides[1].integer(1, kMaxPixels);
     }
-    scene.camera = read_camera(root.key("camera"));
+    const JsonValue camera = root.key("camera");
+    camera.only({"eye", "target", "up", "fov_y_deg", "near", "far", "projection", "ortho_height",
+                 "depth", "lens_shift"});
+    scene.camera = read_camera(camera);
+    if (const auto cameras = root.find("cameras")) scene.cameras = read_cameras(*cameras);
     if (const auto sky = root.find("sky")) scene.sky = sky->vector3();
     scene.sun = Sun{};
     scene.sun.direction.normalize();
@@ -243,6 +263,19 @@ Result<Scene> load_scene(const fs::path& file) {
     } catch (const std::bad_alloc&) {
         return data_error(fmt::format("{}: not enough memory; use smaller maps", file.string()));
     }
+}
+
+Result<Camera> find_camera(const Scene& scene, const std::string& name) {
+    std::string names;
+    for (const NamedCamera& named : scene.cameras) {
+        if (named.name == name) return named.camera;
+        names += (names.empty() ? "" : ", ") + named.name;
+    }
+    if (names.empty())
+        return usage_error(fmt::format(
+            "no camera \"{}\": the scene has its main camera alone; add it to \"cameras\"", name));
+    return usage_error(
+        fmt::format("no camera \"{}\"; choose one of: {}; or none for the main one", name, names));
 }
 
 Result<SceneFogs> load_fogs(const fs::path& file, LoadNotes* notes) {

@@ -71,20 +71,139 @@ TEST_CASE("fit: a smooth map comes out small, a rough one does not, and both kee
         const Picture truth = transmittance(work, "scene.json", "reference");
         CHECK(largest_difference(transmittance(work, "small.json", ""), truth) <= 0.004 + 1e-6);
         const int dropped = facts["fogs"][0]["finest_levels_dropped"];
-        if (is_smooth)
+        const double ratio = facts["coefficient_bytes"]["ratio"];
+        CHECK(facts["why"].dump().find("too much") != std::string::npos);
+        if (is_smooth) {
             CHECK(dropped >= 2);
-        else
+            CHECK(ratio >= 8);
+        } else {
             CHECK(dropped == 0);
+            CHECK(ratio <= 2);
+        }
     }
 }
 
-TEST_CASE("fit: a scene that homogeneous fog satisfies is told so") {
+TEST_CASE("fit: a map that a formula describes becomes one, and the scene is told so") {
+    // Cameras see the fog from above and stay clear of the slab's lower side.
+    const std::vector<std::tuple<std::string, std::string, std::string>> cases = {
+        {"", "homogeneous fog with extinction 0.01/m", R"({"model":"layers","profile":"ramp")"},
+        {R"({"profile": "slab", "bottom": -1000, "top": 5})",
+         "halfspace fog below y = 5 m with extinction 0.01/m", R"({"model":"halfspace")"},
+        {R"({"profile": "exponential", "base": 2, "scale": 3})",
+         "a layer of fog with extinction 0.01/m below y = 2 m",
+         R"({"model":"layers","profile":"exponential","extinction":0.0)"},
+        {R"({"profile": "linear", "base": 2, "top": 9})",
+         "a layer of fog with extinction 0.01/m below y = 2 m, falling to 0 at 9 m",
+         R"({"model":"layers","profile":"ramp","points":[[2)"}};
+    for (const auto& [profile, words, written] : cases) {
+        const Workspace work;
+        write_scene(
+            work, [](double, double) { return 0.5; },
+            R"("wrap": "repeat")" + (profile.empty() ? "" : R"(, "height": )" + profile));
+        const json facts = fit(work, "0.0005");
+        CAPTURE(facts.dump());
+        CHECK(facts["advice"].get<std::string>().find(words) == 0);
+        CHECK(facts["advice"].get<std::string>().find("already satisfies this scene") !=
+              std::string::npos);
+        CHECK(facts["fogs"][0]["kept"] == "none: a formula");
+        CHECK(facts["coefficient_bytes"]["after"] == 0);
+        CHECK(facts["max_dT_held_out"] <= 0.0005);
+        CHECK(work.files().count("small.fog0.exr") == 0);
+        const auto scene = nlohmann::ordered_json::parse(work.read_text("small.json"));
+        CHECK(scene["fog"][0].dump().find(written) == 0);
+        const Picture truth = transmittance(work, "scene.json", "reference");
+        CHECK(largest_difference(transmittance(work, "small.json", ""), truth) <= 0.0005);
+    }
+}
+
+TEST_CASE("fit: one map becomes a formula, another stays, a formula stays as it is") {
     const Workspace work;
     write_scene(
-        work, [](double, double) { return 0.5; }, R"("wrap": "repeat")");
-    const json facts = fit(work, "0.01");
-    CHECK(facts["method"] == "homogeneous");
-    CHECK(facts["advice"].get<std::string>().find("needs no map") != std::string::npos);
+        work, [](double x, double z) { return std::fmod(13 * x + 7 * z, 1.0) < 0.4 ? 1.0 : 0.05; });
+    work.write_floats("flat.tif", 8, 8, std::vector<float>(64, 1.0f));
+    json scene = json::parse(work.read_text("scene.json"));
+    const json flat = {{"image", "flat.tif"},
+                       {"rect", {-64, -64, 64, 64}},
+                       {"wrap", "repeat"},
+                       {"extinction", 0.004}};
+    scene["fog"].insert(scene["fog"].begin(), flat);
+    const json plane = {
+        {"model", "halfspace"}, {"normal", {0, 1, 0}}, {"point", {0, 3, 0}}, {"extinction", 0.01}};
+    scene["fog"].push_back(plane);
+    work.write_text("scene.json", scene.dump());
+    const json facts = fit(work, "0.004");
+    CAPTURE(facts.dump());
+    CHECK(facts["fogs"][0]["kept"] == "none: a formula");
+    CHECK(facts["fogs"][1]["kept"] == "64x64");
+    CHECK(facts["advice"].get<std::string>().find("for fog 0: it needs no map") !=
+          std::string::npos);
+    const json small = json::parse(work.read_text("small.json"));
+    CHECK(small["fog"][0]["profile"] == "ramp");
+    CHECK(small["fog"][1]["file"] == "small.fog1.exr");
+    CHECK(small["fog"][2] == plane);
+    CHECK(largest_difference(transmittance(work, "small.json", ""),
+                             transmittance(work, "scene.json", "reference")) <= 0.004 + 1e-6);
+}
+
+TEST_CASE("fit: what one of the cameras sees stays, and the scene keeps its cameras") {
+    const Workspace work;
+    // Rough behind the main camera alone.
+    write_scene(work, [](double x, double z) {
+        const double smooth = 0.3 * std::pow(16 * x * (1 - x) * z * (1 - z), 2.0);
+        return z > 0.86 && z < 0.95 && std::fmod(13 * x, 1.0) < 0.4 ? 1.0 : smooth;
+    });
+    const json alone = fit(work, "0.004");
+    CHECK(alone["cameras"] == 1);
+    CHECK(alone["fogs"][0]["finest_levels_dropped"] >= 1);
+    json scene = json::parse(work.read_text("scene.json"));
+    scene["cameras"] = {{{"name", "back"}, {"eye", {0, 12, 40}}, {"target", {0, 4, 80}}}};
+    work.write_text("scene.json", scene.dump());
+    const json both = fit(work, "0.004");
+    CAPTURE(both.dump());
+    CHECK(both["cameras"] == 2);
+    CHECK(both["fogs"][0]["finest_levels_dropped"] == 0);
+    CHECK(both["why"].dump().find("(back") != std::string::npos);
+    CHECK(json::parse(work.read_text("small.json"))["cameras"] == scene["cameras"]);
+    const auto seen_from_back = [&](const std::string& file, const std::string& method) {
+        const RunResult result = work.run({"render", file, "-o", "p.png", "--transmittance",
+                                           "T.exr", "--camera", "back", "--method", method});
+        REQUIRE_MESSAGE(result.status == 0, result.err);
+        return read_picture(work.path("T.exr"));
+    };
+    CHECK(largest_difference(seen_from_back("small.json", both["method"]),
+                             seen_from_back("scene.json", "reference")) <= 0.004 + 1e-6);
+}
+
+TEST_CASE("fit keeps its promise on real maps, from cameras that it has not seen") {
+    for (const auto& [map, error] :
+         std::vector<std::pair<std::string, std::string>>{{"weather_crop_64.png", "0.004"},
+                                                          {"cloudiness_72x46.tif", "0.01"},
+                                                          {"rain_stageiv_87x118.tif", "0.02"},
+                                                          {"weather_smooth_512.png", "0.004"}}) {
+        CAPTURE(map);
+        const Workspace work;
+        write_scene(
+            work, [](double, double) { return 0.0; },
+            R"("basis": "linear", "height": {"profile": "exponential", "base": 2, "scale": 6})");
+        json scene = json::parse(work.read_text("scene.json"));
+        scene["fog"][0]["image"] = std::string(WAVEFOG_DATA_DIR) + "/" + map;
+        scene["cameras"] = {{{"name", "side"}, {"eye", {-45, 9, -5}}, {"target", {0, 3, 10}}}};
+        work.write_text("scene.json", scene.dump());
+        const json facts = fit(work, error);
+        CAPTURE(facts.dump());
+        json small = json::parse(work.read_text("small.json"));
+        const json unseen = {{{"eye", {1, 12.5, 38}}, {"target", {4, 4, -2}}},
+                             {{"eye", {-2, 11.5, 41}}, {"target", {-9, 4, 1}}},
+                             {{"eye", {-44, 9.5, -3}}, {"target", {2, 3, 4}}}};
+        for (const json& camera : unseen) {
+            scene["camera"] = small["camera"] = camera;
+            work.write_text("scene.json", scene.dump());
+            work.write_text("moved.json", small.dump());
+            CHECK(largest_difference(transmittance(work, "moved.json", ""),
+                                     transmittance(work, "scene.json", "reference")) <=
+                  std::stod(error));
+        }
+    }
 }
 
 TEST_CASE("fit: a time can be the goal, and wrong arguments leave nothing") {

@@ -157,3 +157,28 @@ TEST_CASE("render writes .png as the sRGB of .exr") {
     }
     CHECK(largest <= 1.01 / 255);  // rounding, and dither of half a step each way
 }
+
+TEST_CASE("render: a scene's further cameras are chosen by name") {
+    const Workspace work;
+    write_scene(work);
+    json scene = json::parse(work.read_text("scene.json"));
+    const json aside = {{"eye", {20, 9, 10}}, {"target", {0, 3, 0}}, {"far", 300}};
+    json named = aside;
+    named["name"] = "aside";
+    scene["cameras"] = {named};
+    work.write_text("scene.json", scene.dump());
+    const Picture main = transmittance(work, {});
+    const Picture chosen = transmittance(work, {"--camera", "aside"});
+    scene["camera"] = aside;
+    work.write_text("scene.json", scene.dump());
+    CHECK(largest_difference(chosen, transmittance(work, {})) == 0);
+    CHECK(largest_difference(chosen, main) > 0.1);
+
+    const auto before = work.files();
+    const RunResult wrong =
+        work.run({"render", "scene.json", "-o", "x.png", "--camera", "nowhere"});
+    CHECK(wrong.status == 2);
+    CHECK(wrong.err.find("scene.json: no camera \"nowhere\"; choose one of: aside") !=
+          std::string::npos);
+    CHECK(work.files() == before);
+}

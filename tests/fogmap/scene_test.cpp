@@ -53,6 +53,8 @@ json full_scene() {
         "size": [320, 200],
         "camera": {"eye": [0, 6, 90], "target": [0, 3, 0], "up": [0, 1, 0], "fov_y_deg": 40,
                    "near": 0.5, "far": "infinite", "depth": "reversed", "lens_shift": [0.25, -0.5]},
+        "cameras": [{"name": "hill", "eye": [9, 8, 7], "target": [0, 1, 0], "fov_y_deg": 30},
+                    {"name": "lake", "eye": [1, 2, 3], "target": [0, 0, 0]}],
         "sky": [0.1, 0.2, 0.3], "sun": {"direction": [0, 2, 0], "colour": [1, 0.9, 0.8]},
         "terrain": {"heightmap": "banks.tif", "rect": [-200, -100, 200, 100], "height": [0, 40]},
         "meshes": [{"file": "house.glb", "translate": [1, 2, 3], "scale": 2, "rotate_y_deg": 30,
@@ -80,6 +82,14 @@ TEST_CASE("a scene with every key is read as written") {
     CHECK(std::isinf(scene.camera.far_plane));
     CHECK(scene.camera.depth == Camera::Depth::reversed);
     CHECK(scene.camera.lens_shift == Eigen::Vector2d(0.25, -0.5));
+    REQUIRE(scene.cameras.size() == 2);
+    CHECK(scene.cameras[0].name == "hill");
+    CHECK(scene.cameras[0].camera.eye == Eigen::Vector3d(9, 8, 7));
+    CHECK(scene.cameras[0].camera.fov_y_deg == 30);
+    CHECK(scene.cameras[1].camera.fov_y_deg == 50);  // its own defaults, not the main camera's
+    CHECK(find_camera(scene, "lake")->eye == Eigen::Vector3d(1, 2, 3));
+    CHECK(find_camera(scene, "sea").error().message.find("one of: hill, lake;") !=
+          std::string::npos);
     CHECK(scene.sky == Eigen::Vector3d(0.1, 0.2, 0.3));
     CHECK(scene.sun.direction == Eigen::Vector3d(0, 1, 0));
     CHECK(scene.sun.colour == Eigen::Vector3d(1, 0.9, 0.8));
@@ -157,7 +167,7 @@ TEST_CASE("every mistake in a scene names the file, the key and what to do") {
     };
     const double huge = 1e308;
     const std::vector<Mistake> mistakes = {
-        {"/colour", 1, "colour: unknown key; valid keys here: size, camera, sky"},
+        {"/colour", 1, "colour: unknown key; valid keys here: size, camera, cameras, sky"},
         {"/camera/fov", 1, "camera.fov: unknown key; valid keys here: eye, target"},
         {"/fog/0/density", 1, "fog[0].density: unknown key"},
         {"/fog/0/height/top", 1,
@@ -183,6 +193,14 @@ TEST_CASE("every mistake in a scene names the file, the key and what to do") {
          "camera.far: is \"infinite\"; an orthographic camera"},
         {"/camera/depth", "inverse", "one of: standard, reversed"},
         {"/camera/lens_shift", {1, 2, 3}, "camera.lens_shift: has 3 entries"},
+        {"/cameras", {{"eye", {1, 2, 3}}}, "cameras: is object; it must be a list"},
+        {"/cameras/0/fov", 1, "cameras[0].fov: unknown key; valid keys here: name, eye, target"},
+        {"/cameras/0/target", {9, 8, 7}, "cameras[0].target: is the same point as eye"},
+        {"/cameras/1/name", "hill", "cameras[1].name: is \"hill\", as another camera's is"},
+        {"/cameras/1/name", "", "cameras[1].name: is \"\"; give the camera a name"},
+        {"/cameras/1/name", 7, "cameras[1].name: is 7; it must be"},
+        {"/cameras/1", {{"name", "x"}, {"eye", {1, 2, 3}}}, "cameras[1].target: is missing"},
+        {"/cameras/1", {{"eye", {1, 2, 3}}, {"target", {0, 0, 0}}}, "cameras[1].name: is missing"},
         {"/sun/direction", {0, 0, 0}, "sun.direction: is [0, 0, 0]"},
         {"/terrain/heightmap", "none.png", "terrain.heightmap: "},
         {"/terrain/rect",

@@ -32,6 +32,12 @@ struct Camera {
         0, 0};  ///< off-axis: shift of the image plane in units of its half size
 };
 
+/// A further view of a scene, by name.
+struct NamedCamera {
+    std::string name;
+    Camera camera;
+};
+
 struct Sun {
     Eigen::Vector3d direction{0.4, 0.8, 0.2};  ///< towards the sun, normalised on load
     Eigen::Vector3d colour{1, 1, 1};
@@ -83,6 +89,7 @@ Result<Method> parse_method(const std::string& text);
 struct Scene {
     int width = 800, height = 600;
     Camera camera;
+    std::vector<NamedCamera> cameras;      ///< further ones, their names differ
     Eigen::Vector3d sky{0.55, 0.65, 0.8};  ///< linear colour
     Sun sun;
     std::optional<Terrain> terrain;
@@ -94,10 +101,14 @@ struct Scene {
 };
 
 /// Reads a scene and every fog in it; paths are relative to the scene file. Keys as in the fields
-/// above, the camera's planes "near" and "far"; `camera.eye` and `camera.target` are required, and
-/// with a fog's "image" also "rect" and "extinction" (a fog "file" carries its own, which the scene
-/// may replace). Data errors name the key ("scene.json: fog[0].height.scale: ...") or the line.
+/// above, the camera's planes "near" and "far", for `cameras` those of the camera and "name";
+/// `camera.eye` and `camera.target` are required, and with a fog's "image" also "rect" and
+/// "extinction" (a fog "file" carries its own, which the scene may replace). Data errors name the
+/// key ("scene.json: fog[0].height.scale: ...") or the line.
 Result<Scene> load_scene(const std::filesystem::path& file);
+
+/// The camera of `scene.cameras` with that name; a usage error lists the names there are.
+Result<Camera> find_camera(const Scene& scene, const std::string& name);
 
 /// What a scene's "fog" holds: all of it adds up.
 struct SceneFogs {
