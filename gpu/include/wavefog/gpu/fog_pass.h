@@ -26,6 +26,12 @@ class FogTextures {
     std::unique_ptr<Impl> impl_;
 };
 
+/// A camera and the size of its picture, pixels.
+struct FogView {
+    Camera camera;
+    int width = 0, height = 0;
+};
+
 /// Draws one or more fogs over a frame with one method. MethodKind::reference is not a GPU method;
 /// froxel is the volume that engines ship, without their temporal filter (a still frame). radial fills
 /// its table when eye, view, fog or size changed; an orthographic camera, whose rays do not share the
@@ -47,6 +53,17 @@ class FogPass {
     /// The sum of the fogs' optical depths into a R32F target.
     void draw_optical_depth(const FrameTarget& frame, const Camera& camera, GLuint output_framebuffer,
                             double seconds = 0);
+
+    /// Which pictures will be drawn in turns, for the tables of method radial (other methods keep
+    /// nothing): views from one eye (a cube's faces, a split screen, tiles) share a table of all
+    /// their azimuths, filled once; each further eye (stereo) has a table, kept while it rests. Call
+    /// it again when a camera changes, the eyes in the same order; eyes that stay keep their tables.
+    /// A camera that is not among the views, such as any before the first call, fills the first
+    /// table for itself. A data error if the context refuses the memory, at most 16 MiB a table.
+    Result<void> set_views(const std::vector<FogView>& views);
+
+    /// How often a table was filled so far.
+    std::size_t table_fills() const;
 
     /// Drops what was kept from the frame before (the tables of method radial), as a moved eye does.
     void forget();
