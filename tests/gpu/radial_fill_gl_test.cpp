@@ -189,8 +189,8 @@ TEST_CASE("radial without compute shaders: its shaders are GLSL ES 3.00" *
     const auto add = [&](const std::string& shader, const std::string& defines) {
         static int count = 0;
         const std::string name = std::to_string(count++) + shader.substr(shader.find('.'));
-        files += " " +
-                 folder.write(name, "#version 300 es\n" + defines + shader_source(shader)).string();
+        files += ' ';
+        files += folder.write(name, "#version 300 es\n" + defines + shader_source(shader)).string();
     };
     add("post_fullscreen.vert", "");
     for (const char* repeat : {"", "#define FOG_REPEAT\n"})
