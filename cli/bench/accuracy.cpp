@@ -18,6 +18,9 @@ double luma(const std::array<double, 3>& rgb) {
     return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
 }
 
+// Rays a pixel across and down for its mean.
+constexpr int kSubpixels = 4;
+
 constexpr int kWindow = 11;
 
 std::array<double, kWindow> gaussian_window() {
@@ -83,21 +86,46 @@ double ssim(int width, int height, const std::vector<double>& a, const std::vect
 }
 
 Truth compute_truth(const std::vector<Fog>& fogs, const std::vector<FogModel>& models,
-                    const Camera& camera, const Image& depth, int stride) {
+                    const Camera& camera, const Image& depth, int stride, bool means) {
     Truth truth;
     truth.width = (depth.width + stride - 1) / stride;
     truth.height = (depth.height + stride - 1) / stride;
     truth.tau.resize(std::size_t(truth.width) * std::size_t(truth.height));
+    if (means) truth.mean_T.resize(truth.tau.size());
     truth.stride = stride;
     const std::vector<Reference> references(fogs.begin(), fogs.end());
     const PixelRays rays(camera, depth.width, depth.height);
+    const auto finer_than_pixel = [&](const PixelRay& ray) {
+        const Eigen::Vector3d path = ray.end - ray.origin;
+        for (std::size_t i = 0; i < fogs.size(); ++i) {
+            const double length =
+                ray.sky ? references[i].far_end(ray.origin, path, sky_limit(camera)) : path.norm();
+            if (std::min(fogs[i].cell_x(), fogs[i].cell_z()) < rays.pixel_size(length)) return true;
+        }
+        return false;
+    };
+    const auto mean = [&](int x, int y, double z) {
+        double sum = 0;
+        for (int j = 0; j < kSubpixels; ++j)
+            for (int i = 0; i < kSubpixels; ++i) {
+                const double right = (i + 0.5) / kSubpixels - 0.5;
+                const double down = (j + 0.5) / kSubpixels - 0.5;
+                sum += std::exp(
+                    -rays.optical_depth(references, rays.at(x + right, y + down, z), 1, models));
+            }
+        return sum / (kSubpixels * kSubpixels);
+    };
     const auto integrate_rows = [&](std::size_t begin, std::size_t end) {
-        for (int y = int(begin); y < int(end); ++y)
-            for (int x = 0; x < truth.width; ++x) {
-                const PixelRay ray =
-                    rays.at(stride * x, stride * y, double(depth.at(stride * x, stride * y, 0)));
-                truth.tau[std::size_t(y * truth.width + x)] =
-                    rays.optical_depth(references, ray, 1, models);
+        for (int row = int(begin); row < int(end); ++row)
+            for (int column = 0; column < truth.width; ++column) {
+                const std::size_t at = std::size_t(row * truth.width + column);
+                const int x = stride * column, y = stride * row;
+                const double z = double(depth.at(x, y, 0));
+                const PixelRay ray = rays.at(x, y, z);
+                truth.tau[at] = rays.optical_depth(references, ray, 1, models);
+                if (means)
+                    truth.mean_T[at] =
+                        finer_than_pixel(ray) ? mean(x, y, z) : std::exp(-truth.tau[at]);
             }
     };
     parallel_chunks("integrating the truth", std::size_t(truth.height), 4, integrate_rows);
@@ -155,7 +183,8 @@ std::optional<double> certified_bound(const std::vector<Fog>& fogs, const Method
 Accuracy measure_accuracy(const Truth& truth, const Image& tau, const Image& scene,
                           const Eigen::Vector3d& fog_colour) {
     const std::size_t count = truth.tau.size();
-    std::vector<double> dT(count), luma_true(count), luma_drawn(count);
+    std::vector<double> dT(count), mean_dT(truth.mean_T.size()), luma_true(count),
+        luma_drawn(count);
     double square_tau = 0, square_colour = 0;
     std::size_t translucent = 0;
     for (int y = 0; y < truth.height; ++y)
@@ -163,6 +192,7 @@ Accuracy measure_accuracy(const Truth& truth, const Image& tau, const Image& sce
             const std::size_t i = std::size_t(y * truth.width + x);
             const double true_tau = truth.tau[i], drawn_tau = double(tau.at(x, y, 0));
             dT[i] = std::abs(std::exp(-true_tau) - std::exp(-drawn_tau));
+            if (!mean_dT.empty()) mean_dT[i] = std::abs(truth.mean_T[i] - std::exp(-drawn_tau));
             if (true_tau <= kOpaque) {
                 square_tau += (drawn_tau - true_tau) * (drawn_tau - true_tau);
                 ++translucent;
@@ -184,10 +214,17 @@ Accuracy measure_accuracy(const Truth& truth, const Image& tau, const Image& sce
     accuracy.rmse_tau = translucent == 0 ? 0 : std::sqrt(square_tau / double(translucent));
     const double mean_square = square_colour / double(3 * count);
     accuracy.psnr = -10 * std::log10(std::max(mean_square, kLeastSquareError));
+    const auto p99_of = [](std::vector<double>& errors) {
+        const auto p99 = errors.begin() + std::ptrdiff_t(double(errors.size() - 1) * 0.99);
+        std::nth_element(errors.begin(), p99, errors.end());
+        return *p99;
+    };
     accuracy.max_dT = *std::max_element(dT.begin(), dT.end());
-    const auto p99 = dT.begin() + std::ptrdiff_t(double(count - 1) * 0.99);
-    std::nth_element(dT.begin(), p99, dT.end());
-    accuracy.p99_dT = *p99;
+    accuracy.p99_dT = p99_of(dT);
+    if (!mean_dT.empty()) {
+        accuracy.max_mean_dT = *std::max_element(mean_dT.begin(), mean_dT.end());
+        accuracy.p99_mean_dT = p99_of(mean_dT);
+    }
     return accuracy;
 }
 

@@ -12,14 +12,18 @@ namespace wavefog::cli {
 /// Optical depth of every pixel by the reference integrator at mu = 1, row 0 at the top.
 struct Truth {
     int width = 0, height = 0;
-    std::vector<double> tau;
+    std::vector<double> tau;  ///< along the ray through the pixel's middle
+    /// The mean of T over the pixel's area where cells are smaller than it, so that the one ray in
+    /// its middle would be an aliasing error itself; elsewhere exp(-tau). Empty unless asked for.
+    std::vector<double> mean_T;
     int stride = 1;  ///< pixel (x, y) is the picture's (stride x, stride y)
 };
 
 /// From the depth buffer that the fog passes read, on all cores. `fogs` as undecomposed() makes
-/// them: the finest map itself.
+/// them: the finest map itself. `means` asks for mean_T: 4x4 rays a pixel, all of which end at the
+/// one depth that the buffer has for it.
 Truth compute_truth(const std::vector<Fog>& fogs, const std::vector<FogModel>& models,
-                    const Camera& camera, const Image& depth, int stride = 1);
+                    const Camera& camera, const Image& depth, int stride = 1, bool means = false);
 
 /// Every stride-th pixel of every stride-th row, as a Truth of that stride has them.
 Image every_nth(const Image& image, int stride);
@@ -38,9 +42,10 @@ std::optional<double> certified_bound(const std::vector<Fog>& fogs, const Method
                                       const RayReach& reach);
 
 struct Accuracy {
-    double max_dT = 0, p99_dT = 0;  ///< of |T - T_true| over the pixels
-    double rmse_tau = 0;            ///< over pixels with a true optical depth up to kOpaque
-    double psnr = 0;  ///< dB, of the sRGB picture in [0,1], three channels; 200 if equal
+    double max_dT = 0, p99_dT = 0;                   ///< of |T - T_true| over the pixels
+    std::optional<double> max_mean_dT, p99_mean_dT;  ///< the same against Truth::mean_T
+    double rmse_tau = 0;  ///< over pixels with a true optical depth up to kOpaque
+    double psnr = 0;      ///< dB, of the sRGB picture in [0,1], three channels; 200 if equal
     double ssim = 0;
 };
 

@@ -89,6 +89,7 @@ struct Measurement::Stage {
 struct Measurement::Contender {
     std::size_t variant = 0;
     Method method;
+    bool reuse = false;
     FogPass pass;
     Row row;
     double estimate = 0;  ///< seconds of a frame
@@ -115,13 +116,15 @@ void Measurement::show_progress(const std::string& doing) const {
 
 Result<const Truth*> Measurement::truth(const Group& group, const Variant& variant,
                                         const Stage& stage) {
-    const std::string key = fmt::format("{}:{}x{}/{}:{}", group.scene, group.size.width,
-                                        group.size.height, group.stride, variant.truth_key);
+    const std::string key =
+        fmt::format("{}:{}x{}/{}/{}:{}", group.scene, group.size.width, group.size.height,
+                    group.stride, group.pixel_means, variant.truth_key);
     if (const auto found = truths_.find(key); found != truths_.end()) return &found->second;
     const Result<std::vector<Fog>> fogs = undecomposed(variant.fogs);
     if (!fogs) return tl::unexpected(fogs.error());
     const Scene& scene = scenes_[group.scene].scene;
-    Truth made = compute_truth(*fogs, scene.models, scene.camera, stage.depth, group.stride);
+    Truth made = compute_truth(*fogs, scene.models, scene.camera, stage.depth, group.stride,
+                               group.pixel_means);
     return &truths_.emplace(key, std::move(made)).first->second;
 }
 
@@ -166,19 +169,27 @@ Result<void> Measurement::run_group(const Group& group, double seconds, Results&
 
     VariantTextures textures(group.variants.size());
     std::vector<Contender> contenders;
-    const auto enter = [&](std::size_t variant, const Method& method) {
-        Row row = empty_row(group, variant, method);
-        Result<FogPass> pass = make_pass(group, variant, method, textures[variant]);
+    const auto enter = [&](const Case& one) {
+        Row row = empty_row(group, one);
+        Result<FogPass> pass = make_pass(group, one.variant, one.method, textures[one.variant]);
         if (!pass) {
             results.skipped.push_back(label(row) + ": " + pass.error().message);
             return;
         }
         row.bytes = pass->bytes();
-        contenders.push_back({variant, method, *std::move(pass), std::move(row), 0, 0, {}, {}});
+        contenders.push_back({one.variant,
+                              one.method,
+                              one.reuse || options_.reuse,
+                              *std::move(pass),
+                              std::move(row),
+                              0,
+                              0,
+                              {},
+                              {}});
     };
-    enter(0, homogeneous_method());
+    enter({0, homogeneous_method()});
     for (const Case& one : group.cases)
-        if (one.method.kind != MethodKind::homogeneous) enter(one.variant, one.method);
+        if (one.method.kind != MethodKind::homogeneous) enter(one);
 
     estimate(contenders, *stage, scene.camera);
     plan_frames(contenders, seconds_left(), results);
@@ -197,8 +208,8 @@ Result<void> Measurement::run_group(const Group& group, double seconds, Results&
     return {};
 }
 
-Row Measurement::empty_row(const Group& group, std::size_t index, const Method& method) const {
-    const Variant& variant = group.variants[index];
+Row Measurement::empty_row(const Group& group, const Case& one) const {
+    const Variant& variant = group.variants[one.variant];
     Row row;
     row.scene = scenes_[group.scene].name;
     row.map = variant.map;
@@ -207,8 +218,9 @@ Row Measurement::empty_row(const Group& group, std::size_t index, const Method& 
     row.basis = variant.basis;
     row.family = variant.family;
     row.levels = variant.levels;
-    row.mu = method.mu;
-    row.method = method.name();
+    row.mu = one.method.mu;
+    row.method = one.method.name();
+    row.reused = one.reuse || options_.reuse;
     row.width = group.size.width;
     row.height = group.size.height;
     row.group = group.name;
@@ -245,7 +257,7 @@ void Measurement::estimate(std::vector<Contender>& contenders, const Stage& stag
     for (Contender& contender : contenders) {
         show_progress(label(contender.row));
         const auto seconds_of = [&](const FrameTarget& frame, const Output& output) {
-            if (!options_.reuse) contender.pass.forget();
+            if (!contender.reuse) contender.pass.forget();
             const auto draw = [&] {
                 contender.pass.draw_colour(frame, camera, output.framebuffer.name());
             };
@@ -289,6 +301,8 @@ void Measurement::fill_accuracy(Contender& contender, const Truth& truth, const 
     Row& row = contender.row;
     row.max_dT = accuracy.max_dT;
     row.p99_dT = accuracy.p99_dT;
+    row.max_mean_dT = accuracy.max_mean_dT;
+    row.p99_mean_dT = accuracy.p99_mean_dT;
     row.rmse_tau = accuracy.rmse_tau;
     row.psnr = accuracy.psnr;
     row.ssim = accuracy.ssim;
@@ -331,7 +345,7 @@ void Measurement::take_turns(const Group& group, std::vector<Contender>& contend
     const GLuint target = stage.fogged.framebuffer.name();
     FrameTimer timer(context_.gl());
     const auto draw = [&](Contender& contender) {
-        if (!options_.reuse) contender.pass.forget();
+        if (!contender.reuse) contender.pass.forget();
         return timer.time([&] { contender.pass.draw_colour(stage.frame, camera, target); });
     };
     int rounds = 0;

@@ -21,6 +21,7 @@ namespace wavefog::cli {
 struct Case {
     std::size_t variant = 0;
     Method method;
+    bool reuse = false;  ///< the method keeps its tables from frame to frame
 };
 
 /// Cases that share a scene, a camera and a picture size: their times compare. `homogeneous` is
@@ -32,12 +33,13 @@ struct Group {
     std::vector<Variant> variants;
     std::vector<Case> cases;
     int stride = 1;  ///< errors are measured in every stride-th pixel of every stride-th row
+    bool pixel_means = false;  ///< errors against the means over pixels too
 };
 
 struct MeasureOptions {
     std::optional<int> frames;      ///< of each case; empty: kFrames, fewer where a frame is slow
     std::optional<double> seconds;  ///< the whole run's time
-    bool reuse = false;             ///< a method keeps its tables from frame to frame
+    bool reuse = false;             ///< all cases keep their tables from frame to frame
 };
 
 inline constexpr int kFrames = 40;
@@ -61,7 +63,7 @@ class Measurement {
 
     Result<void> run_group(const Group& group, double seconds, Results& results);
     Result<const Truth*> truth(const Group& group, const Variant& variant, const Stage& stage);
-    Row empty_row(const Group& group, std::size_t variant, const Method& method) const;
+    Row empty_row(const Group& group, const Case& one) const;
     Result<FogPass> make_pass(const Group& group, std::size_t variant, const Method& method,
                               std::vector<FogTextures>& textures) const;
     void estimate(std::vector<Contender>& contenders, const Stage& stage,

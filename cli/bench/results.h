@@ -31,6 +31,9 @@ struct Row {
     std::string form;
     int frames = 0;
     std::optional<double> gpu_ms_median, wall_ms_median;
+    /// Against the mean of T over each pixel, where cells are smaller than it.
+    std::optional<double> max_mean_dT, p99_mean_dT;
+    std::optional<bool> reused;  ///< tables were kept from frame to frame
 };
 
 /// Calls f(name, field) for every column of a Row or const Row, in the order of the files.
@@ -64,6 +67,9 @@ void for_each_column(RowType& row, F&& f) {
     f("frames", row.frames);
     f("gpu_ms_median", row.gpu_ms_median);
     f("wall_ms_median", row.wall_ms_median);
+    f("max_mean_dT", row.max_mean_dT);
+    f("p99_mean_dT", row.p99_mean_dT);
+    f("reused", row.reused);
 }
 
 struct Results {

@@ -80,12 +80,15 @@ Result<std::vector<Group>> plan_scale(const std::vector<BenchScene>& scenes, con
                 group.scene = i;
                 group.size = picture;
                 group.stride = kStride;
+                group.pixel_means = true;
                 group.variants.push_back(*variant);
                 for (Method method : methods)
                     for (const double mu : mus) {
                         method.mu = mu;
                         if (mu == 1 || method.kind == MethodKind::exact)
                             group.cases.push_back({0, method});
+                        if (mu == 1 && method.kind == MethodKind::radial)
+                            group.cases.push_back({0, method, true});
                     }
                 groups.push_back(std::move(group));
             }
@@ -96,7 +99,7 @@ Result<std::vector<Group>> plan_scale(const std::vector<BenchScene>& scenes, con
 std::string scale_table_text(const std::vector<Row>& rows, bool markdown) {
     struct Cell {
         Samples ratio, ms;
-        double max_dT = 0, p99_dT = 0;
+        double max_dT = 0, p99_dT = 0, max_mean_dT = 0;
         std::size_t bytes = 0;
         int cases = 0;
     };
@@ -107,6 +110,7 @@ std::string scale_table_text(const std::vector<Row>& rows, bool markdown) {
         if (!row.ratio_homogeneous || !row.max_dT) continue;
         std::string name = row.method;
         if (row.mu < 1) name += fmt::format(", μ {}", row.mu);
+        if (row.reused.value_or(false)) name += ", reused";
         auto found = std::find(methods.begin(), methods.end(), name);
         if (found == methods.end()) found = methods.insert(methods.end(), name);
         Cell& cell = cells[{row.width, row.map_width, std::size_t(found - methods.begin())}];
@@ -114,17 +118,19 @@ std::string scale_table_text(const std::vector<Row>& rows, bool markdown) {
         cell.ms.add(*row.ms_median);
         cell.max_dT = std::max(cell.max_dT, *row.max_dT);
         cell.p99_dT = std::max(cell.p99_dT, row.p99_dT.value_or(0));
+        cell.max_mean_dT = std::max(cell.max_mean_dT, row.max_mean_dT.value_or(*row.max_dT));
         cell.bytes = std::max(cell.bytes, row.bytes.value_or(0));
         ++cell.cases;
     }
     Table table({"picture, map, method", "cases", "× homogeneous", "worst ×", "ms", "max |ΔT|",
-                 "99 % |ΔT|", "KiB"});
+                 "99 % |ΔT|", "max, pixel means", "KiB"});
     for (const auto& [key, cell] : cells) {
         const auto& [width, map, method] = key;
         table.add({fmt::format("{} wide, {}², {}", width, map, methods[method]),
                    std::to_string(cell.cases), short_number(cell.ratio.median()),
                    short_number(cell.ratio.percentile(100)), short_number(cell.ms.median()),
                    error_number(cell.max_dT), error_number(cell.p99_dT),
+                   error_number(cell.max_mean_dT),
                    fmt::format("{:.0f}", double(cell.bytes) / 1024)});
     }
     return table.text(markdown);

@@ -28,9 +28,14 @@ PixelRays::PixelRays(const Camera& camera, int width, int height)
     const CameraMatrices matrices = camera_matrices(camera, width, height);
     eye_from_clip_ = eye_from_clip(matrices);
     sky_depth_ = matrices.sky_depth;
+    pixel_ = 2 / (std::abs(matrices.projection(1, 1)) * height);
 }
 
-PixelRay PixelRays::at(int x, int y_from_top, double depth) const {
+double PixelRays::pixel_size(double distance) const {
+    return orthographic_ ? pixel_ : pixel_ * distance;
+}
+
+PixelRay PixelRays::at(double x, double y_from_top, double depth) const {
     const Eigen::Vector2d ndc(2 * (x + 0.5) / width_ - 1, 1 - 2 * (y_from_top + 0.5) / height_);
     const auto point = [&](double d) -> Eigen::Vector4d {
         return eye_from_clip_ * Eigen::Vector4d(ndc.x(), ndc.y(), d, 1);

@@ -110,7 +110,7 @@ TEST_CASE("bench: the CSV has the promised columns first, and quotes commas") {
 
 TEST_CASE("bench: errors of a picture that is right, and of one with a known error") {
     constexpr int width = 20, height = 16;
-    Truth truth{width, height, std::vector<double>(width * height)};
+    Truth truth{width, height, std::vector<double>(width * height), {}};
     Image tau{width, height, 1, std::vector<float>(width * height)};
     Image scene{width, height, 4, std::vector<float>(4 * width * height, 0.2f)};
     for (std::size_t i = 0; i < truth.tau.size(); ++i) {
@@ -327,6 +327,52 @@ TEST_CASE("bench scale: five cameras a scene, and the worst error of all in the 
     CHECK(text.find("10.0") != std::string::npos);     // the median of 10, 15 and 5
     CHECK(text.find("15.0") != std::string::npos);     // the worst
     CHECK(text.find("3.0e-07") != std::string::npos);  // the worst error
+}
+
+TEST_CASE("bench: the truth of a pixel larger than cells is its mean, of others its middle") {
+    Grid<float> map(256, 256);
+    for (int j = 0; j < 256; ++j)
+        for (int i = 0; i < 256; ++i) map(j, i) = float((i + j) % 2);
+    Result<Fog> fog = make_fog(map, {.degree = 0, .levels = 0});
+    REQUIRE(fog);
+    fog->rect = {-128, -128, 128, 128};
+    fog->extinction = 0.02;
+    Camera camera;
+    camera.eye = {3, 6, 100};
+    camera.target = {0, 0, 40};
+    constexpr int width = 24, height = 16, fine = 4;
+    const double depth = camera_matrices(camera, width, height).sky_depth;
+    const Image sky{width, height, 1, std::vector<float>(width * height, float(depth))};
+    const Image fine_sky{fine * width, fine * height, 1,
+                         std::vector<float>(fine * fine * width * height, float(depth))};
+    const Truth truth = compute_truth({*fog}, {}, camera, sky, 1, true);
+    const Truth parts = compute_truth({*fog}, {}, camera, fine_sky);
+    const Truth plain = compute_truth({*fog}, {}, camera, sky);
+    CHECK(plain.mean_T.empty());
+    CHECK(plain.tau == truth.tau);
+    REQUIRE(truth.mean_T.size() == truth.tau.size());
+    int means = 0;
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const std::size_t at = std::size_t(y * width + x);
+            // The same sixteen rays, drawn as pixels of a picture four times as large.
+            double sum = 0;
+            for (int j = 0; j < fine; ++j)
+                for (int i = 0; i < fine; ++i)
+                    sum += std::exp(
+                        -parts.tau[std::size_t((fine * y + j) * fine * width + fine * x + i)]);
+            CHECK(truth.mean_T[at] == doctest::Approx(sum / (fine * fine)).epsilon(1e-9));
+            if (truth.mean_T[at] != std::exp(-truth.tau[at])) ++means;
+        }
+    CHECK(means > width * height / 2);
+    // Cells of 3.2 km, pixels below 1 km.
+    Result<Fog> large = make_fog(map.topLeftCorner(8, 8), {.degree = 0, .levels = 0});
+    REQUIRE(large);
+    large->rect = {-12800, -12800, 12800, 12800};
+    large->extinction = 1e-4;
+    const Truth coarse = compute_truth({*large}, {}, camera, sky, 1, true);
+    for (std::size_t i = 0; i < coarse.tau.size(); ++i)
+        CHECK(coarse.mean_T[i] == std::exp(-coarse.tau[i]));
 }
 
 TEST_CASE("bench: errors may be measured in a part of the pixels") {

@@ -29,9 +29,12 @@ class PixelRays {
   public:
     PixelRays(const Camera& camera, int width, int height);
 
-    /// The ray of a pixel (row 0 at the top) with this value in the depth buffer.
-    PixelRay at(int x, int y_from_top, double depth) const;
+    /// The ray through the middle of a pixel (row 0 at the top; a part of 1 is a place in it) with
+    /// this value in the depth buffer.
+    PixelRay at(double x, double y_from_top, double depth) const;
     double sky_depth() const { return sky_depth_; }
+    /// The height of a pixel in the middle of the picture, metres at `distance` from the eye.
+    double pixel_size(double distance) const;
     /// The sum of the fogs' optical depths along a ray; a sky ray ends at each map's far end, and
     /// for models at sky_limit().
     double optical_depth(const std::vector<Reference>& fogs, const PixelRay& ray, double mu = 1,
@@ -41,6 +44,7 @@ class PixelRays {
     Eigen::Matrix4d eye_from_clip_;
     Eigen::Vector3d eye_;
     double sky_depth_, sky_limit_;
+    double pixel_;  ///< at 1 m; at any distance if orthographic
     int width_, height_;
     bool orthographic_;
 };
