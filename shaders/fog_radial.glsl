@@ -18,26 +18,7 @@
 // columns; with 0.28 it is within 1 % of the angle up to 45 degrees, and a wide view counts from the
 // nearest of four axes.
 
-// The largest n.
-#if FOG_PROFILE == FOG_EXPONENTIAL
-#define RADIAL_ORDER 3
-#elif FOG_PROFILE == FOG_LINEAR
-#define RADIAL_ORDER 2
-#else
-#define RADIAL_ORDER 1
-#endif
-
-// Integrals up to a point, a, and those of the next d metres alone, b: up to the end of b.
-vec3 radial_join(vec3 a, vec3 b, float d) {
-    vec3 sum = a + b;
-#if RADIAL_ORDER >= 2
-    sum.y += d * a.x;
-#endif
-#if RADIAL_ORDER >= 3
-    sum.z += d * (a.y + d * (1.0f / 2.0f) * a.x);
-#endif
-    return sum;
-}
+#include "fog_radial_rows.glsl"
 
 // Horizontal vector (world x, z) of an azimuth coordinate: the inverse of radial_coordinate.
 vec2 radial_direction(float a) {

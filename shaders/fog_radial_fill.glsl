@@ -1,5 +1,7 @@
 // Filling the table of method radial (fog_radial.glsl). Compiles as GLSL and as C++; the includer
-// defines radial_store(column, row, means).
+// defines radial_store(column, row, values).
+// With RADIAL_SEGMENTS what is stored of a row are the integrals of the metres since the row before
+// alone, for radial_scan.frag to join; else the table's means.
 
 // A_n over the first d metres of a line whose s counts metres.
 vec3 radial_step(FogLine line, float d) {
@@ -28,8 +30,9 @@ vec3 radial_step(FogLine line, float d) {
     return sum.x > 0.0f ? sum : vec3(0.0f);
 }
 
-// Fills one column of the table of levels 0..finest by walking outwards. `first` is its first row.
-void radial_fill(int column, int first, int finest) {
+// Stores the rows begin..end-1 of one column of the table of levels 0..finest, walking outwards from
+// row begin - 1. `first` is the table's first row.
+void radial_walk(int column, int first, int finest, int begin, int end) {
     vec2 direction = radial_direction(radial.azimuth.x + radial.azimuth.y * float(column));
     vec2 slope = direction * (1.0f / length(direction)) * vec2(fog.scale.x, fog.scale.y);
     float start = radial.radius.x;
@@ -44,18 +47,24 @@ void radial_fill(int column, int first, int finest) {
     inside.y = max(inside.x, inside.y);
 
     vec2 origin = vec2(fog.eye.x, fog.eye.y);
-    float at = start;
     // Uniforms read inside the loop would be read anew each time.
-    float per_row = radial.rows.x;
-    float root0 = 2.0f * radial.radius.w;
+    vec2 spacing = radial_spacing();
+    float at = start + radial_distance(spacing, max(begin - 1, 0));
 #if FOG_PROFILE == FOG_UNIFORM
     float enough = radial.stop.x;
 #endif
     vec3 reached = vec3(0.0f);
-    int row = 0;
+    int row = begin;
+#ifdef RADIAL_SEGMENTS
+    int finer_rows = 0;  // that finer levels have
+#endif
     for (int l = finest; l >= 0; --l) {
-        int end = radial.level[l].x;
-        if (row >= end) {
+        int stop = min(radial.level[l].x, end);
+#ifdef RADIAL_SEGMENTS
+        int level_begin = finer_rows;
+        finer_rows = max(finer_rows, radial.level[l].x);
+#endif
+        if (row >= stop) {
             continue;
         }
         ivec4 level = fog.level[l];
@@ -66,6 +75,15 @@ void radial_fill(int column, int first, int finest) {
         vec2 point = grid.o + grid.g * t;
         vec2 k = vec2(grid.g.x < 0.0f ? ceil(point.x) - 1.0f : floor(point.x),
                       grid.g.y < 0.0f ? ceil(point.y) - 1.0f : floor(point.y));
+#ifdef RADIAL_SEGMENTS
+        // A step's sign is that of all since the cell's or the level's entry: it starts there, and what
+        // the row before has of it is taken off.
+        float begun = t;
+        float level_start = start + radial_distance(spacing, max(level_begin - 1, 0));
+        vec2 enter = (k + grid.face - grid.forward) * grid.per_cell;
+        t = min(t, max(max(enter.x, enter.y), clamp(level_start, inside.x, inside.y)));
+        point = grid.o + grid.g * t;
+#endif
         FogLine line = fog_line(fog_fetch(level, k + grid.first), point - k, grid.g, twist);
         if (row == 0) {
             // Every mean begins with the density where the walk begins.
@@ -73,12 +91,14 @@ void radial_fill(int column, int first, int finest) {
             radial_store(column, first, vec3(density));
             row = 1;
         }
+#ifdef RADIAL_SEGMENTS
+        vec3 before = radial_step(line, begun - t);
+#endif
         vec2 cross = (k + grid.face) * grid.per_cell;
         float next = max(min(cross.x, cross.y), t);
         vec3 sum = reached;
-        for (; row < end; ++row) {
-            float root = per_row * float(row);
-            float along = root * (root + root0);
+        for (; row < stop; ++row) {
+            float along = radial_distance(spacing, row);
             float to = start + along;
             float until = clamp(to, inside.x, inside.y);
             // Whole cells up to the row, then a part of one; `sum` and t stay at the cell's entry.
@@ -104,10 +124,12 @@ void radial_fill(int column, int first, int finest) {
             inside.y = here.x > enough ? to : inside.y;
 #endif
             at = to;
-            float per_length = 1.0f / along;
-            radial_store(column, first + row,
-                         here * vec3(1.0f, 2.0f * per_length, 6.0f * per_length * per_length) *
-                             per_length);
+#ifdef RADIAL_SEGMENTS
+            here = radial_join(-before, here, to - begun);
+#else
+            here = radial_means(here, along);
+#endif
+            radial_store(column, first + row, here);
         }
     }
 }

@@ -23,6 +23,6 @@ void main() {
     int column = int(gl_GlobalInvocationID.x);
     int layer = int(gl_GlobalInvocationID.y);
     if (column < radial.size.x) {
-        radial_fill(column, layer * radial.size.z, radial.size.w + layer);
+        radial_walk(column, layer * radial.size.z, radial.size.w + layer, 0, radial.size.y);
     }
 }

@@ -10,7 +10,7 @@
 #include "model_pass.h"
 #include "paper_data.h"
 #include "program_inputs.h"
-#include "radial_table.h"
+#include "radial_tables.h"
 #include "wavefog/gpu/pixel_rays.h"
 
 namespace wavefog {
@@ -100,10 +100,10 @@ struct FogPass::Impl {
     Programs programs;
     Programs orthographic;                ///< method radial: exact, where rays do not share the eye
     std::vector<PaperTextures> paper;     ///< one a fog with the paper's methods, else none
-    std::vector<RadialTable> radial;      ///< one a fog with method radial, else none
+    std::optional<RadialTables> radial;   ///< with method radial
     std::optional<FroxelVolume> froxels;  ///< draws instead of all this
     std::optional<ModelPass> models;      ///< draws last
-    Buffer fog_uniforms, view_uniforms, paper_uniforms;
+    Buffer fog_uniforms, view_uniforms, paper_uniforms, radial_uniforms;
     VertexArray vertices;
     Target partial[2];  ///< optical depth of the fogs drawn so far, in turns
     int width = 0, height = 0;
@@ -124,8 +124,7 @@ struct FogPass::Impl {
             if (facts.skip) defines.push_back("FOG_SKIP");
         }
         if (with.kind == MethodKind::paper_scaling) defines.push_back("FOG_PAPER_SCALING");
-        if (fog < radial.size() && radial[fog].shape().layers > 1)
-            defines.push_back("RADIAL_LAYERED");
+        if (radial && radial->layered(fog)) defines.push_back("RADIAL_LAYERED");
         defines.push_back(fmt::format("FOG_DEGREE {}", degree));
         defines.push_back(fmt::format("FOG_PROFILE {}", profile));
         if (!colour) defines.push_back("FOG_OUTPUT_TAU");
@@ -165,20 +164,6 @@ struct FogPass::Impl {
         }
     }
 
-    void update_radial(const FrameTarget& frame, const Camera& camera, double seconds) {
-        if (radial.empty() || camera.projection == Camera::Projection::orthographic) return;
-        const auto view = radial_view(camera_matrices(camera, frame.width, frame.height), camera,
-                                      frame.width, frame.height);
-        const double limit = sky_limit(camera);
-        for (std::size_t i = 0; i < radial.size(); ++i) {
-            const auto& fog = *fogs[i]->impl_;
-            radial[i].update(
-                fog_block(fog.facts, camera.eye, method.mu, seconds, limit),
-                radial_block(fog.facts, camera.eye, view, seconds, limit, radial[i].shape()),
-                fog.cells.name());
-        }
-    }
-
     void draw(const FrameTarget& frame, const Camera& camera, GLuint output, double seconds,
               bool colour) {
         if (!models) return draw_maps(frame, camera, output, seconds, colour);
@@ -189,9 +174,10 @@ struct FogPass::Impl {
     void draw_maps(const FrameTarget& frame, const Camera& camera, GLuint output, double seconds,
                    bool colour) {
         if (froxels) return froxels->draw(frame, camera, output, seconds, colour);
-        update_radial(frame, camera, seconds);
-        const bool shared_eye =
-            radial.empty() || camera.projection == Camera::Projection::perspective;
+        const bool shared_eye = camera.projection == Camera::Projection::perspective;
+        const std::vector<RadialTable>* tables =
+            radial && shared_eye ? &radial->update({camera, frame.width, frame.height}, seconds)
+                                 : nullptr;
         const std::size_t count = std::max<std::size_t>(fogs.size(), 1);
         if (count > 1) make_partial_targets(frame.width, frame.height);
         const auto matrices = camera_matrices(camera, frame.width, frame.height);
@@ -207,7 +193,7 @@ struct FogPass::Impl {
         for (std::size_t i = 0; i < count; ++i) {
             const bool last = i + 1 == count;
             gl.BindFramebuffer(GL_FRAMEBUFFER, last ? output : partial[i % 2].framebuffer.name());
-            const Programs& used = shared_eye ? programs : orthographic;
+            const Programs& used = radial && !shared_eye ? orthographic : programs;
             gl.UseProgram(last && colour ? used.last_colour.name() : used.add_tau[i].name());
             if (!fogs.empty()) {
                 const auto& fog = *fogs[i]->impl_;
@@ -223,9 +209,9 @@ struct FogPass::Impl {
                 bind_texture(6, paper[i].paths.name());
                 bind_texture(7, paper[i].partials.name());
             }
-            if (i < radial.size()) {
-                gl.BindBufferBase(GL_UNIFORM_BUFFER, kRadialBinding, radial[i].uniforms());
-                bind_texture(8, radial[i].texture());
+            if (tables) {
+                upload_uniforms(gl, radial_uniforms, kRadialBinding, (*tables)[i].block());
+                bind_texture(8, (*tables)[i].texture());
             }
             if (i > 0) bind_texture(4, partial[(i - 1) % 2].texture.name());
             gl.DrawArrays(GL_TRIANGLES, 0, 3);
@@ -269,16 +255,18 @@ Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fo
             if (!textures) return tl::unexpected(textures.error());
             impl->paper.push_back(std::move(*textures));
         }
-    if (method.kind == MethodKind::radial)
-        for (const FogTextures* fog : impl->fogs) {
-            auto table = RadialTable::create(gl, fog->impl_->facts, method);
-            if (!table) return tl::unexpected(table.error());
-            impl->radial.push_back(std::move(*table));
-        }
+    if (method.kind == MethodKind::radial && !impl->fogs.empty()) {
+        std::vector<RadialFog> maps;
+        for (const FogTextures* fog : impl->fogs)
+            maps.push_back({&fog->impl_->facts, fog->impl_->cells.name()});
+        auto tables = RadialTables::create(gl, std::move(maps), method);
+        if (!tables) return tl::unexpected(tables.error());
+        impl->radial.emplace(std::move(*tables));
+    }
     auto programs = impl->build_all(method);
     if (!programs) return tl::unexpected(programs.error());
     impl->programs = std::move(*programs);
-    if (!impl->radial.empty()) {
+    if (impl->radial) {
         Method exact = method;
         exact.kind = MethodKind::exact;
         programs = impl->build_all(exact);
@@ -291,6 +279,8 @@ Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fo
         make_buffer(gl, GL_UNIFORM_BUFFER, sizeof(shader::ViewBlock), nullptr, GL_DYNAMIC_DRAW);
     impl->paper_uniforms =
         make_buffer(gl, GL_UNIFORM_BUFFER, sizeof(shader::PaperBlock), nullptr, GL_DYNAMIC_DRAW);
+    impl->radial_uniforms =
+        make_buffer(gl, GL_UNIFORM_BUFFER, sizeof(shader::RadialBlock), nullptr, GL_DYNAMIC_DRAW);
     impl->vertices = make_vertex_array(gl);
     return FogPass(std::move(impl));
 }
@@ -298,7 +288,7 @@ Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fo
 std::size_t FogPass::bytes() const {
     std::size_t sum = impl_->froxels ? impl_->froxels->bytes() : 0;
     for (const auto& textures : impl_->paper) sum += textures.bytes;
-    for (const auto& table : impl_->radial) sum += table.shape().bytes();
+    if (impl_->radial) sum += impl_->radial->bytes();
     for (const FogTextures* fog : impl_->fogs) {
         const auto& facts = fog->impl_->facts;
         const std::size_t map = sizeof(float) * static_cast<std::size_t>(facts.width) *
@@ -311,8 +301,16 @@ std::size_t FogPass::bytes() const {
     return sum;
 }
 
+Result<void> FogPass::set_views(const std::vector<FogView>& views) {
+    return impl_->radial ? impl_->radial->set_views(views) : Result<void>{};
+}
+
+std::size_t FogPass::table_fills() const {
+    return impl_->radial ? impl_->radial->fills() : 0;
+}
+
 void FogPass::forget() {
-    for (auto& table : impl_->radial) table.forget();
+    if (impl_->radial) impl_->radial->forget();
 }
 
 void FogPass::draw_colour(const FrameTarget& frame, const Camera& camera, GLuint output_framebuffer,

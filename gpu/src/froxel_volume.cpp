@@ -213,6 +213,10 @@ FroxelVolume::FroxelVolume(const Gl& gl, std::vector<FroxelFog> fogs, const Meth
 
 Result<FroxelVolume> FroxelVolume::create(const Gl& gl, std::vector<FroxelFog> fogs,
                                           const Method& method, const Eigen::Vector3d& fog_colour) {
+    if (!has_compute(gl))
+        return data_error(method.name() +
+                          ": needs compute shaders (OpenGL 4.3), which this context lacks; use "
+                          "exact or radial");
     FroxelVolume volume(gl, std::move(fogs), method, fog_colour);
     if (auto made = volume.make_textures(); !made) return tl::unexpected(made.error());
     if (auto made = volume.make_programs(); !made) return tl::unexpected(made.error());

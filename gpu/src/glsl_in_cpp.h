@@ -86,7 +86,7 @@ inline thread_local sampler2D paper_paths;
 inline thread_local sampler2D paper_partials;
 inline thread_local RadialBlock radial;
 inline thread_local sampler2D radial_table;
-/// Of the table that radial_fill() writes: three floats a texel, as wide as radial_image_width.
+/// Of the table that radial_walk() writes: three floats a texel, as wide as radial_image_width.
 inline thread_local vec3* radial_image;
 inline thread_local int radial_image_width;
 

@@ -107,7 +107,7 @@ Extent extent_of(const FogFacts& fog, const Eigen::Vector3d& eye, const RadialVi
     }
     const Polygon box = fog_box(fog, eye, seconds);
     Polygon seen = box;
-    if (!view.full) {
+    if (!view.full && view.last - view.first < std::numbers::pi) {
         const Eigen::Rotation2Dd to_first(view.first), to_last(view.last);
         seen = clip(clip(seen, to_first * view.axis, 1), to_last * view.axis, -1);
     }
@@ -169,12 +169,62 @@ RadialView radial_view(const CameraMatrices& matrices, const Camera& camera, int
     return view;
 }
 
+RadialView radial_union(const std::vector<RadialView>& views) {
+    constexpr double kTurn = 2 * std::numbers::pi;
+    RadialView all = views.front();
+    const auto pixel_tangent = [](const RadialView& view) {
+        return (std::tan(view.last) - std::tan(view.first)) / view.level_pixels;
+    };
+    bool full = false, one_axis = true, level = true;
+    for (const RadialView& view : views) {
+        full |= view.full;
+        one_axis &= view.axis == all.axis;
+        level &= view.level_pixels > 0;
+        all.pixel = std::min(all.pixel, view.pixel);
+    }
+    if (full) return {.pixel = all.pixel};
+    if (one_axis) {
+        const double tangent = level ? pixel_tangent(all) : 0;
+        for (const RadialView& view : views) {
+            all.first = std::min(all.first, view.first);
+            all.last = std::max(all.last, view.last);
+            level = level && std::abs(pixel_tangent(view) - tangent) < 1e-6 * tangent;
+        }
+        all.level_pixels = level ? static_cast<int>(std::lround(
+                                       (std::tan(all.last) - std::tan(all.first)) / tangent))
+                                 : 0;
+        return all;
+    }
+    // All azimuths but the widest gap between views.
+    std::vector<std::pair<double, double>> arcs;
+    double reach = -kTurn;
+    for (const RadialView& view : views) {
+        double begin = angle_from(all.axis, view.axis) + view.first;
+        begin -= kTurn * std::floor(begin / kTurn);
+        arcs.emplace_back(begin, begin + view.last - view.first);
+        reach = std::max(reach, arcs.back().second - kTurn);
+    }
+    std::sort(arcs.begin(), arcs.end());
+    double gap = 0, start = 0;
+    for (const auto& [begin, end] : arcs) {
+        if (begin - reach > gap) {
+            gap = begin - reach;
+            start = begin;
+        }
+        reach = std::max(reach, end);
+    }
+    if (gap < 1e-9) return {.pixel = all.pixel};
+    const double half = (kTurn - gap) / 2;
+    const Vector2d axis = Eigen::Rotation2Dd(start + half) * all.axis;
+    return {.full = false, .axis = axis, .first = -half, .last = half, .pixel = all.pixel};
+}
+
 std::size_t RadialShape::bytes() const {
     return sizeof(float) * static_cast<std::size_t>(channels) * static_cast<std::size_t>(layers) *
            static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
 }
 
-RadialShape radial_shape(const FogFacts& fog, const Method& method) {
+RadialShape radial_shape(const FogFacts& fog, const Method& method, int sharing, int largest) {
     const int finest = static_cast<int>(fog.levels.size()) - 1;
     RadialShape shape;
     switch (fog.profile.kind) {
@@ -198,7 +248,9 @@ RadialShape radial_shape(const FogFacts& fog, const Method& method) {
         return shape;
     }
     if (layered) shape.rows /= 2;
+    const int wanted = std::min(shape.columns * sharing, std::max(largest, shape.columns));
     while (shape.bytes() > kLargestTable) shape.columns /= 2;
+    while (2 * shape.columns <= wanted && 2 * shape.bytes() <= kLargestTable) shape.columns *= 2;
     return shape;
 }
 

@@ -16,8 +16,12 @@ struct RadialShape {
     int finest = 0;                  ///< level of the first table
 
     std::size_t bytes() const;
+    bool operator==(const RadialShape&) const = default;
 };
-RadialShape radial_shape(const FogFacts& fog, const Method& method);
+/// `sharing` views of one eye, with as many times the columns where memory and a context's
+/// `largest` texture allow.
+RadialShape radial_shape(const FogFacts& fog, const Method& method, int sharing = 1,
+                         int largest = 0);
 
 /// What the picture needs: the azimuths in view and the least angle that matters.
 struct RadialView {
@@ -26,8 +30,12 @@ struct RadialView {
     double first = 0, last = 0;   ///< radians from the axis, unless full
     double pixel = 0;             ///< angle of a pixel, radians; 0: as fine as the fog needs
     int level_pixels = 0;         ///< pixel columns if azimuths are tangents along them, else 0
+
+    bool operator==(const RadialView&) const = default;
 };
 RadialView radial_view(const CameraMatrices& matrices, const Camera& camera, int width, int height);
+/// What several views of one eye need together.
+RadialView radial_union(const std::vector<RadialView>& views);
 
 /// The table for rays from `eye`, in repeated fog no longer than `limit` metres. Columns keep to
 /// the fog's part of the view, rows to its distances.

@@ -26,10 +26,16 @@ class FogTextures {
     std::unique_ptr<Impl> impl_;
 };
 
+/// A camera and the size of its picture, pixels.
+struct FogView {
+    Camera camera;
+    int width = 0, height = 0;
+};
+
 /// Draws one or more fogs over a frame with one method. MethodKind::reference is not a GPU method;
-/// froxel is the volume that engines ship, without their temporal filter (a still frame). radial fills
-/// its table when eye, view, fog or size changed; an orthographic camera, whose rays do not share the
-/// eye, gets exact instead.
+/// froxel is the volume that engines ship, without their temporal filter (a still frame). radial
+/// fills its table when eye, view, fog or size changed; an orthographic camera, whose rays do not
+/// share the eye, gets exact instead.
 class FogPass {
   public:
     /// Compiles the programs that `method` needs for these fogs (they stay the caller's). `models`
@@ -45,10 +51,23 @@ class FogPass {
     void draw_colour(const FrameTarget& frame, const Camera& camera, GLuint output_framebuffer,
                      double seconds = 0);
     /// The sum of the fogs' optical depths into a R32F target.
-    void draw_optical_depth(const FrameTarget& frame, const Camera& camera, GLuint output_framebuffer,
-                            double seconds = 0);
+    void draw_optical_depth(const FrameTarget& frame, const Camera& camera,
+                            GLuint output_framebuffer, double seconds = 0);
 
-    /// Drops what was kept from the frame before (the tables of method radial), as a moved eye does.
+    /// Which pictures will be drawn in turns, for the tables of method radial (other methods keep
+    /// nothing): views from one eye (a cube's faces, a split screen, tiles) share a table of all
+    /// their azimuths, filled once; each further eye (stereo) has a table, kept while it rests.
+    /// Call it again when a camera changes, the eyes in the same order; eyes that stay keep their
+    /// tables. A camera that is not among the views, such as any before the first call, fills the
+    /// first table for itself. A data error if the context refuses the memory, at most 16 MiB a
+    /// table.
+    Result<void> set_views(const std::vector<FogView>& views);
+
+    /// How often tables were filled so far, for tests and measurements.
+    std::size_t table_fills() const;
+
+    /// Drops what was kept from the frame before (the tables of method radial), as a moved eye
+    /// does.
     void forget();
 
     /// Textures on the GPU that this method reads: of its fogs, and its own.
@@ -61,9 +80,9 @@ class FogPass {
 };
 
 /// The fog shader compiled as C++ (the same GLSL text through GLM), in float32, for one fog: what
-/// `probe` prints and what the CPU tests check. Not for reference and froxel. Method radial builds its
-/// table around each new O, every azimuth of it, and keeps the last one: ask for rays of one eye
-/// together.
+/// `probe` prints and what the CPU tests check. Not for reference and froxel. Method radial builds
+/// its table around each new O, every azimuth of it, and keeps the last one: ask for rays of one
+/// eye together.
 class ShaderOnCpu {
   public:
     static Result<ShaderOnCpu> create(const Fog& fog, const Method& method);

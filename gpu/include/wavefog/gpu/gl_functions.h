@@ -1,4 +1,4 @@
-// The OpenGL 4.5 core functions that wavefog calls, as an X-macro: X(type, name without "gl").
+// The OpenGL 4.5 core functions that wavefog calls, as X-macros: X(type, name without "gl").
 #pragma once
 
 // clang-format off
@@ -84,7 +84,6 @@
     X(PFNGLGETTEXLEVELPARAMETERIVPROC, GetTexLevelParameteriv)         \
     X(PFNGLCOPYIMAGESUBDATAPROC, CopyImageSubData)                     \
     X(PFNGLCLEARTEXIMAGEPROC, ClearTexImage)                           \
-    X(PFNGLBINDIMAGETEXTUREPROC, BindImageTexture)                     \
     X(PFNGLGENSAMPLERSPROC, GenSamplers)                               \
     X(PFNGLDELETESAMPLERSPROC, DeleteSamplers)                         \
     X(PFNGLBINDSAMPLERPROC, BindSampler)                               \
@@ -118,8 +117,6 @@
     X(PFNGLDRAWELEMENTSPROC, DrawElements)                             \
     X(PFNGLDRAWELEMENTSINSTANCEDPROC, DrawElementsInstanced)           \
     X(PFNGLPRIMITIVERESTARTINDEXPROC, PrimitiveRestartIndex)           \
-    X(PFNGLDISPATCHCOMPUTEPROC, DispatchCompute)                       \
-    X(PFNGLMEMORYBARRIERPROC, MemoryBarrier)                           \
     /* programs */                                                     \
     X(PFNGLCREATESHADERPROC, CreateShader)                             \
     X(PFNGLDELETESHADERPROC, DeleteShader)                             \
@@ -175,4 +172,10 @@
     X(PFNGLGETQUERYIVPROC, GetQueryiv)                                 \
     X(PFNGLGETQUERYOBJECTIVPROC, GetQueryObjectiv)                     \
     X(PFNGLGETQUERYOBJECTUI64VPROC, GetQueryObjectui64v)
+
+/* null in a context without compute shaders */
+#define WAVEFOG_GL_COMPUTE_FUNCTIONS(X)                                \
+    X(PFNGLBINDIMAGETEXTUREPROC, BindImageTexture)                     \
+    X(PFNGLDISPATCHCOMPUTEPROC, DispatchCompute)                       \
+    X(PFNGLMEMORYBARRIERPROC, MemoryBarrier)
 // clang-format on
