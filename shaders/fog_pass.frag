@@ -1,7 +1,7 @@
 // The fog post-process for one fog, or for all that formulas give (fog_models.glsl): depth (and
 // colour) in, fogged colour or optical depth out.
 // Defines: FOG_DEGREE, FOG_PROFILE, FOG_REPEAT, FOG_SKIP, FOG_METHOD, FOG_PAPER_SCALING,
-// RADIAL_LAYERED; FOG_OUTPUT_TAU writes optical depth instead of colour; FOG_PREVIOUS_TAU adds the
+// RADIAL_LAYERED, RADIAL_STEP; FOG_OUTPUT_TAU writes optical depth instead of colour; FOG_PREVIOUS_TAU adds the
 // optical depth of the fogs drawn before.
 // Blend: L = T L_scene + (1 - T) L_fog (paper 004, eq. 4), linear colours.
 precision highp float;

@@ -18,7 +18,12 @@
 // columns; with 0.28 it is within 1 % of the angle up to 45 degrees, and a wide view counts from the
 // nearest of four axes.
 
+//
+// With RADIAL_STEP a look-up takes the row at or before its place and walks the cells of the rest, so
+// that rows add no error: what is left is the interpolation between azimuths.
+
 #include "fog_radial_rows.glsl"
+#include "fog_radial_walk.glsl"
 
 // Horizontal vector (world x, z) of an azimuth coordinate: the inverse of radial_coordinate.
 vec2 radial_direction(float a) {
@@ -62,27 +67,78 @@ struct RadialPlace {
     float r;  // horizontal length of the ray, m
     float u;  // texture u of its azimuth
     float v;  // what a level adds to texture v
+#ifdef RADIAL_STEP
+    vec2 slope;  // finest cells a metre
+    int finest;  // level of the table
+#endif
 };
+
+#ifdef RADIAL_STEP
+// A_n of the density between a row, `from` metres from the eye, and `to`.
+vec3 radial_last_step(RadialPlace place, int row, float from, float to) {
+    int l = place.finest;
+    while (l > 0 && row + 1 >= radial.level[l].x) {
+        --l;
+    }
+    ivec4 level = fog.level[l];
+    FogGrid grid = fog_grid(vec2(fog.eye.x, fog.eye.y), place.slope, l);
+    float twist = grid.g.x * grid.g.y;
+    vec2 inside = radial_inside(vec2(from, to), place.slope);
+    float t = inside.x;
+    // On a face, the cell that the ray goes into.
+    vec2 point = grid.o + grid.g * t;
+    vec2 k = vec2(grid.g.x < 0.0f ? ceil(point.x) - 1.0f : floor(point.x),
+                  grid.g.y < 0.0f ? ceil(point.y) - 1.0f : floor(point.y));
+    vec3 sum = vec3(0.0f);
+    while (t < inside.y) {
+        vec2 cross = (k + grid.face) * grid.per_cell;
+        float next = min(max(min(cross.x, cross.y), t), inside.y);
+        FogLine line = fog_line(fog_fetch(level, k + grid.first), grid.o + grid.g * t - k, grid.g, twist);
+        sum = radial_join(sum, radial_step(line, next - t), next - t);
+        k = vec2(cross.x <= next ? k.x + grid.forward.x : k.x,
+                 cross.y <= next ? k.y + grid.forward.y : k.y);
+        t = next;
+    }
+    return radial_join(sum, vec3(0.0f), to - inside.y);
+}
+#endif
 
 // A_n from the eye to the fraction t of a ray, per unit of t: times the ray's length they are
 // integrals along the ray.
 vec3 radial_integrals(RadialPlace place, float t) {
     float beyond = max(place.r * t - radial.radius.x, 0.0f);
     float along = min(beyond, radial.radius.y);
-    float v = radial.rows.z + radial.rows.w * sqrt(along + radial.radius.z) + place.v;
+    float root = sqrt(along + radial.radius.z);
+#ifdef RADIAL_STEP
+    vec2 spacing = radial_spacing();
+    float row = min(floor(max(root - radial.radius.w, 0.0f) / spacing.x), float(radial.size.y - 1));
+    root = radial.radius.w + spacing.x * row;
+    float to = along;
+    along = min(radial_distance(spacing, int(row)), to);
+#endif
+    float v = radial.rows.z + radial.rows.w * root + place.v;
     vec4 means = texture(radial_table, vec2(place.u, v));
 #ifdef FOG_REPEAT
     // After many periods the means stay.
-    along = beyond;
+    along = beyond > radial.radius.y ? beyond : along;
 #endif
     float w = along / place.r;
 #if RADIAL_ORDER == 1
-    return vec3(means.x * w, 0.0f, 0.0f);
+    vec3 sum = vec3(means.x * w, 0.0f, 0.0f);
 #else
     float w2 = (1.0f / 2.0f) * w * w;
     vec3 sum = vec3(means.x * w, means.y * w2, means.z * (1.0f / 3.0f) * w * w2);
-    return radial_join(sum, vec3(0.0f), (beyond - along) / place.r);
 #endif
+#ifdef RADIAL_STEP
+    if (to > along) {
+        float per_r = 1.0f / place.r;
+        vec3 step = radial_last_step(place, int(row), radial.radius.x + along, radial.radius.x + to);
+        sum = radial_join(sum, step * vec3(per_r, per_r * per_r, per_r * per_r * per_r),
+                          (to - along) * per_r);
+        along = to;
+    }
+#endif
+    return radial_join(sum, vec3(0.0f), (beyond - along) / place.r);
 }
 
 #if FOG_PROFILE == FOG_EXPONENTIAL
@@ -165,11 +221,18 @@ float fog_radial(FogRay ray) {
     place.u = clamp(radial.azimuth.z + radial.azimuth.w * radial_coordinate(offset), radial.edge.x,
                     radial.edge.y);
     place.v = 0.0f;
+#ifdef RADIAL_STEP
+    place.slope = ray.slope / place.r;
+    place.finest = radial.size.w;
+#endif
 #ifdef RADIAL_LAYERED
     float whole = ray.sky ? max(fog_clip(ray).y, 0.0f) : ray.last;
     float sum = 0.0f;
     for (int l = 0; l <= fog.base.z; ++l) {
         place.v = radial.edge.z * float(l);
+#ifdef RADIAL_STEP
+        place.finest = l;
+#endif
         sum += radial_integral(place, ray.eta, ray.rise, whole * fog.reach[l].x);
         if (l < fog.base.z) {
             sum -= radial_integral(place, ray.eta, ray.rise, whole * fog.reach[l + 1].x);

@@ -3,49 +3,13 @@
 // With RADIAL_SEGMENTS what is stored of a row are the integrals of the metres since the row before
 // alone, for radial_scan.frag to join; else the table's means.
 
-// A_n over the first d metres of a line whose s counts metres.
-vec3 radial_step(FogLine line, float d) {
-    vec3 sum = vec3(d * (line.s0 + d * ((1.0f / 2.0f) * line.s1 + d * (1.0f / 3.0f) * line.s2)), 0.0f,
-                    0.0f);
-#if FOG_DEGREE == 2
-    float d4 = (d * d) * (d * d);
-    sum.x += d4 * ((1.0f / 4.0f) * line.s3 + d * (1.0f / 5.0f) * line.s4);
-#endif
-#if RADIAL_ORDER >= 2
-    float d2 = d * d;
-    sum.y = d2 * ((1.0f / 2.0f) * line.s0 +
-                  d * ((1.0f / 6.0f) * line.s1 + d * (1.0f / 12.0f) * line.s2));
-#if FOG_DEGREE == 2
-    sum.y += d * d4 * ((1.0f / 20.0f) * line.s3 + d * (1.0f / 30.0f) * line.s4);
-#endif
-#endif
-#if RADIAL_ORDER >= 3
-    sum.z = d * d2 * ((1.0f / 6.0f) * line.s0 +
-                      d * ((1.0f / 24.0f) * line.s1 + d * (1.0f / 60.0f) * line.s2));
-#if FOG_DEGREE == 2
-    sum.z += d2 * d4 * ((1.0f / 120.0f) * line.s3 + d * (1.0f / 210.0f) * line.s4);
-#endif
-#endif
-    // Approximations of degree >= 1 can be negative: a step that is, counts as empty.
-    return sum.x > 0.0f ? sum : vec3(0.0f);
-}
-
 // Stores the rows begin..end-1 of one column of the table of levels 0..finest, walking outwards from
 // row begin - 1. `first` is the table's first row.
 void radial_walk(int column, int first, int finest, int begin, int end) {
     vec2 direction = radial_direction(radial.azimuth.x + radial.azimuth.y * float(column));
     vec2 slope = direction * (1.0f / length(direction)) * vec2(fog.scale.x, fog.scale.y);
     float start = radial.radius.x;
-    vec2 inside = vec2(start, start + radial.radius.y);
-#ifndef FOG_REPEAT
-    vec2 low = -vec2(float(fog.base.x), float(fog.base.y));
-    vec2 high = low + vec2(float(fog.size.x), float(fog.size.y));
-    inside = fog_clip_axis(inside, fog.eye.x, slope.x, low.x, high.x);
-    inside = fog_clip_axis(inside, fog.eye.y, slope.y, low.y, high.y);
-#endif
-    inside.x = min(inside.x, start + radial.radius.y);
-    inside.y = max(inside.x, inside.y);
-
+    vec2 inside = radial_inside(vec2(start, start + radial.radius.y), slope);
     vec2 origin = vec2(fog.eye.x, fog.eye.y);
     // Uniforms read inside the loop would be read anew each time.
     vec2 spacing = radial_spacing();

@@ -16,7 +16,7 @@ constexpr int kMinTable = 2, kMaxTable = 128;
 constexpr int kMaxFroxels = 1024;
 constexpr int kMinRadial = 2, kMaxRadial = 8192;
 constexpr const char* kMethods =
-    "reference, exact, radial[:AZIMUTHSxROWS], paper[:N[:perimeter]], "
+    "reference, exact, radial[:AZIMUTHSxROWS][:step], paper[:N[:perimeter]], "
     "paper-scaling[:N[:perimeter]], march:N, "
     "froxel:XxYxZ, homogeneous";
 
@@ -77,7 +77,9 @@ std::string Method::name() const {
         case MethodKind::exact:
             return "exact";
         case MethodKind::radial:
-            return radial[0] > 0 ? fmt::format("radial:{}x{}", radial[0], radial[1]) : "radial";
+            return "radial" +
+                   (radial[0] > 0 ? fmt::format(":{}x{}", radial[0], radial[1]) : std::string()) +
+                   (radial_step ? ":step" : "");
         case MethodKind::paper:
             return with_table("paper");
         case MethodKind::paper_scaling:
@@ -120,11 +122,13 @@ Result<Method> parse_method(const std::string& text) {
                 kMaxFroxels));
     } else if (name == "radial") {
         method.kind = MethodKind::radial;
-        if (parts.size() > 2 ||
-            (parts.size() == 2 && !parse_sizes(parts[1], kMinRadial, kMaxRadial, method.radial)))
+        method.radial_step = !bare && parts.back() == "step";
+        const std::size_t sizes = parts.size() - 1 - (method.radial_step ? 1 : 0);
+        if (sizes > 1 ||
+            (sizes == 1 && !parse_sizes(parts[1], kMinRadial, kMaxRadial, method.radial)))
             return usage_error(fmt::format(
-                "method \"{}\": give azimuths and rows from {} to {}, or nothing; for example "
-                "radial:1024x256",
+                "method \"{}\": give azimuths and rows from {} to {}, \"step\", both or nothing; "
+                "for example radial:1024x256:step",
                 text, kMinRadial, kMaxRadial));
     } else if (bare && name == "reference") {
         method.kind = MethodKind::reference;

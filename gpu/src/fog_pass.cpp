@@ -123,6 +123,7 @@ struct FogPass::Impl {
             if (facts.boundary == Boundary::repeat) defines.push_back("FOG_REPEAT");
             if (facts.skip) defines.push_back("FOG_SKIP");
         }
+        if (with.kind == MethodKind::radial && with.radial_step) defines.push_back("RADIAL_STEP");
         if (with.kind == MethodKind::paper_scaling) defines.push_back("FOG_PAPER_SCALING");
         if (radial && radial->layered(fog)) defines.push_back("RADIAL_LAYERED");
         defines.push_back(fmt::format("FOG_DEGREE {}", degree));

@@ -11,7 +11,17 @@ struct Ray {
     float eta = 0, rise = 0, metres = 0, passed = 0, last = 1;
 };
 
-enum class Evaluation { exact, march, homogeneous, paper, paper_scaling, radial, radial_layered };
+enum class Evaluation {
+    exact,
+    march,
+    homogeneous,
+    paper,
+    paper_scaling,
+    radial,
+    radial_layered,
+    radial_step,
+    radial_layered_step
+};
 
 /// The shader's defines: FOG_DEGREE, FOG_PROFILE, FOG_REPEAT, FOG_SKIP.
 struct Variant {

@@ -63,8 +63,8 @@ inline vec4 texelFetch(const sampler2D& s, ivec2 p, int) {
 inline vec4 texture(const sampler2D& s, vec2 p) {
     const float x = p.x * static_cast<float>(s.width), y = p.y * static_cast<float>(s.height);
     if (!s.linear)
-        return texelFetch(s, ivec2(static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y))),
-                          0);
+        return texelFetch(
+            s, ivec2(static_cast<int>(std::floor(x)), static_cast<int>(std::floor(y))), 0);
     const float fx = std::floor(x - 0.5f), fy = std::floor(y - 0.5f);
     const float u = x - 0.5f - fx, v = y - 0.5f - fy;
     const int i = static_cast<int>(fx), j = static_cast<int>(fy);

@@ -27,6 +27,9 @@ struct Density {
     double columns, rows;  // a cell; columns at the far end
 };
 constexpr Density kUniform = {6, 4}, kInLayers = {12, 11};
+// With the exact last step rows cost walks alone, and azimuths are worth what they cost: 1e-5
+// there.
+constexpr Density kWithStep = {24, 1};
 constexpr double kFinerOutside = 4;
 constexpr int kLeastColumns = 256, kLeastRows = 64;
 constexpr std::size_t kLargestTable = 16 << 20;  // bytes
@@ -34,7 +37,8 @@ constexpr std::size_t kLargestTable = 16 << 20;  // bytes
 // away.
 constexpr double kNearRows = 1.0 / 16;
 // T = 9e-4 behind this much fog: a column ends there, its error below half of what can be seen.
-constexpr double kStopRadial = 7;
+// With the exact last step that would be what errs most: T = 2e-6.
+constexpr double kStopRadial = 7, kStopWithStep = 13;
 // Repeated maps: periods until the mean along an azimuth is taken to stay.
 constexpr double kPeriods = 16;
 
@@ -240,6 +244,7 @@ RadialShape radial_shape(const FogFacts& fog, const Method& method, int sharing,
     }
     const bool layered = method.mu > 0 && method.mu < 1 && finest > 0;
     shape.layers = layered ? finest + 1 : 1;
+    shape.step = method.radial_step;
     shape.finest = method.mu == 1 ? finest : 0;
     if (method.radial[0] > 0) {
         shape.columns = method.radial[0];
@@ -272,7 +277,9 @@ shader::RadialBlock radial_block(const FogFacts& fog, const Eigen::Vector3d& eye
     // Azimuth steps: part of a cell at the far end, but no finer than pixels.
     const double left = tangents ? std::tan(view.first) : 0;
     const double pixel = tangents ? (std::tan(view.last) - left) / view.level_pixels : view.pixel;
-    const Density& per_cell = fog.profile.kind == Profile::Kind::uniform ? kUniform : kInLayers;
+    const Density& per_cell = shape.step                                   ? kWithStep
+                              : fog.profile.kind == Profile::Kind::uniform ? kUniform
+                                                                           : kInLayers;
     double step = std::max(cell / (per_cell.columns * std::max(extent.farthest, cell)), pixel);
     // Seen from outside, rays graze the map's edges.
     if (extent.nearest > 0) step /= kFinerOutside;
@@ -310,7 +317,9 @@ shader::RadialBlock radial_block(const FogFacts& fog, const Eigen::Vector3d& eye
     block.rows = vec(per_row, 0, (0.5 - std::sqrt(r0) / per_row) / height, 1 / per_row / height);
     block.edge = vec(0.5 / width, (columns - 0.5) / width, 1.0 / shape.layers);
     block.cell = vec(cell_x, cell_z);
-    block.stop = vec(kStopRadial / std::max(fog.extinction * fog.density_scale, 1e-30), 0);
+    block.stop = vec((shape.step ? kStopWithStep : kStopRadial) /
+                         std::max(fog.extinction * fog.density_scale, 1e-30),
+                     0);
     block.size = {columns, rows, shape.rows, shape.finest};
     // Cells of level l - 1, twice as large as level l's, serve where they are small in the picture.
     const int finest = static_cast<int>(fog.levels.size()) - 1;

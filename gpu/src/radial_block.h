@@ -14,6 +14,7 @@ struct RadialShape {
     int channels = 1;                ///< floats a texel: RADIAL_ORDER of fog_radial.glsl, 3 as 4
     int layers = 1;                  ///< RADIAL_LAYERED: a table for each level
     int finest = 0;                  ///< level of the first table
+    bool step = false;               ///< look-ups take the exact last step
 
     std::size_t bytes() const;
     bool operator==(const RadialShape&) const = default;

@@ -172,8 +172,12 @@ double ShaderOnCpu::optical_depth(const Eigen::Vector3d& o, const Eigen::Vector3
             evaluation = s::Evaluation::paper_scaling;
             break;
         case MethodKind::radial:
-            evaluation = impl_->radial_shape.layers > 1 ? s::Evaluation::radial_layered
-                                                        : s::Evaluation::radial;
+            if (impl_->method.radial_step)
+                evaluation = impl_->radial_shape.layers > 1 ? s::Evaluation::radial_layered_step
+                                                            : s::Evaluation::radial_step;
+            else
+                evaluation = impl_->radial_shape.layers > 1 ? s::Evaluation::radial_layered
+                                                            : s::Evaluation::radial;
             break;
         default:
             break;

@@ -319,17 +319,39 @@ TEST_CASE("fogs come from scenes, fog files and images") {
 TEST_CASE("methods are parsed and named") {
     for (const char* name :
          {"reference", "exact", "paper", "paper:16", "paper-scaling:32:perimeter", "march:1",
-          "march:32", "march:65536", "froxel:160x90x64", "homogeneous", "radial",
-          "radial:1024x256"}) {
+          "march:32", "march:65536", "froxel:160x90x64", "homogeneous", "radial", "radial:1024x256",
+          "radial:step", "radial:1024x256:step"}) {
         const auto method = parse_method(name);
         REQUIRE(method.has_value());
         CHECK(method->name() == name);
     }
-    for (const char* name :
-         {"", "Exact", "exact:1", "march", "march:", "march:0", "march:-1", "march:65537",
-          "march:3x", "march:99999999999", "march:3:4", "paper:1", "paper:32:round", "froxel",
-          "froxel:1x1", "froxel:0x1x1", "froxel:1x1x1x1", "homogeneous:2", "radial:", "radial:256", "radial:1x256",
-          "radial:256x9999", "radial:2x2x2", "radial:8x8:2"}) {
+    for (const char* name : {"",
+                             "Exact",
+                             "exact:1",
+                             "march",
+                             "march:",
+                             "march:0",
+                             "march:-1",
+                             "march:65537",
+                             "march:3x",
+                             "march:99999999999",
+                             "march:3:4",
+                             "paper:1",
+                             "paper:32:round",
+                             "froxel",
+                             "froxel:1x1",
+                             "froxel:0x1x1",
+                             "froxel:1x1x1x1",
+                             "homogeneous:2",
+                             "radial:",
+                             "radial:256",
+                             "radial:1x256",
+                             "radial:256x9999",
+                             "radial:2x2x2",
+                             "radial:8x8:2",
+                             "radial:step:8x8",
+                             "radial:step:step",
+                             "radial:8x8:stop"}) {
         const auto method = parse_method(name);
         CAPTURE(std::string(name));
         REQUIRE_FALSE(method.has_value());

@@ -117,6 +117,34 @@ TEST_CASE("radial: every basis, profile and camera within 1/510 of the reference
     }
 }
 
+TEST_CASE("radial: a level camera's columns with the exact last step are exact") {
+    Context& context = osmesa();
+    const Gl& gl = context.gl();
+    Random random(63);
+    Camera camera = camera_cases().front().camera;
+    camera.eye = {3.3, 2.1, 15.2};
+    camera.target = {0.4, 2.1, -4.7};
+    const FogPicture picture = make_picture(gl, camera);
+    for (int degree = 0; degree <= 2; ++degree) {
+        Fog fog = random_fog(48, 36, {.degree = degree, .levels = 2}, random);
+        for (const auto& profile : all_profiles()) {
+            fog.profile = profile;
+            const auto textures = FogTextures::create(gl, fog);
+            REQUIRE(textures.has_value());
+            const std::vector<Reference> reference = {Reference(fog)};
+            FogPass pass =
+                make_pass(gl, {&*textures},
+                          {.kind = MethodKind::radial, .radial = {2048, 24}, .radial_step = true});
+            const Errors errors =
+                errors_of(picture, camera, draw(gl, pass, picture, camera), reference);
+            CAPTURE(degree);
+            CAPTURE(static_cast<int>(profile.kind));
+            // float32 in three-fold integrals; the exponential profile is a spline.
+            CHECK_LE(errors.largest, profile.kind == Profile::Kind::exponential ? kVisible : 2e-5);
+        }
+    }
+}
+
 TEST_CASE("radial: sizes that are chosen keep 1/510, and 16 MiB") {
     Context& context = osmesa();
     const Gl& gl = context.gl();

@@ -78,7 +78,8 @@ struct Method {
     int table = 0;
     PathLayout layout = PathLayout::mean;
     int froxels[3] = {160, 90, 64};  ///< froxel:XxYxZ
-    int radial[2] = {0, 0};          ///< radial[:AZIMUTHSxROWS]; 0: chosen for fog and picture
+    int radial[2] = {0, 0};    ///< radial[:AZIMUTHSxROWS]; 0: chosen for fog and picture
+    bool radial_step = false;  ///< radial[:AZIMUTHSxROWS]:step: exact between rows
     double mu = 1;                   ///< [0,1], paper 004 eq. 12
     std::string name() const;
 };
