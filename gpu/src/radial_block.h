@@ -6,6 +6,10 @@
 
 namespace wavefog {
 
+/// T = 9e-4 behind this much fog: a column of a uniform fog ends there, its error below half of what
+/// can be seen.
+inline constexpr double kStopRadial = 7;
+
 /// What a table's texture holds: `layers` tables, one below the other. Within 16 MiB unless the
 /// method names a size.
 struct RadialShape {
