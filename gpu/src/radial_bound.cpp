@@ -65,7 +65,11 @@ class Search {
     /// Metres of a ray a metre on the ground.
     double steepest(double r, double exit) const {
         const double at = std::min(r, exit);
-        return std::max(std::min(limits_.length, std::hypot(at, limits_.rise)) / at, 1.0);
+        return std::max(longest(at) / at, 1.0);
+    }
+    /// Of the rays that end at most that far on the ground.
+    double longest(double r) const {
+        return std::min({limits_.length, std::hypot(r, limits_.rise), limits_.steepest * r});
     }
     double rounding(double far, double high) const {
         return (kLookUp + 2 * far / cell_) * kUlp * high + 4 * kUlp * densest_ * far;
@@ -89,7 +93,7 @@ bool Search::visit_whole(const RadialStretch& s, double exit) {
     const double round = rounding(wedges_.start() + s.far, s.high);
     const double r = wedges_.start() + s.near;
     if (r == 0) {
-        const double most = std::min(limits_.length, std::hypot(s.far, limits_.rise));
+        const double most = longest(s.far);
         include(worst(s.density_low, s.relative + round / s.far, 0, most, 0));
         return true;
     }
@@ -115,8 +119,7 @@ bool Search::visit_linear(const RadialStretch& s, double exit) {
     const double second = at_eye ? s.relative + round / s.far : s.radial_2 / r + round;
     second_ = std::max(second_, at_eye ? second * s.far : second);
     const double least = at_eye ? 0 : 1;
-    const double most =
-        at_eye ? std::min(limits_.length, std::hypot(s.far, limits_.rise)) : steepest(r, exit);
+    const double most = at_eye ? longest(s.far) : steepest(r, exit);
     for (int k = 0; k < kEnds; ++k) {
         const double low = double(k) / kEnds, high = double(k + 1) / kEnds;
         double turns = std::max(std::abs(high - eye), std::abs(low - eye));
@@ -184,6 +187,34 @@ bool Search::add(int wedge, bool repeat) {
     return !(seen_whole && repeat && wedges_.start() + wedges_.length() < limits_.length);
 }
 
+/// Metres of a picture's ray a metre on the ground, at most.
+double steepest_of(const CameraMatrices& matrices) {
+    const Eigen::Matrix4d from_clip = eye_from_clip(matrices);
+    const auto corner = [&](int k) -> Eigen::Vector3d {
+        const double x = k == 0 || k == 3 ? -1 : 1, y = k < 2 ? -1 : 1;
+        return (from_clip * Eigen::Vector4d(x, y, 1 - matrices.sky_depth, 1)).head<3>();
+    };
+    double steepest = 1;
+    for (int k = 0; k < 4; ++k)
+        for (const double up : {1.0, -1.0}) {
+            const Eigen::Vector3d a = corner(k % 4), b = corner((k + 1) % 4);
+            const double ya = up * a.y(), yb = up * b.y();
+            if (std::max(ya, yb) <= 0) continue;
+            // Where the side points up, the ray's rise has one maximum.
+            double from = ya < 0 ? ya / (ya - yb) : 0, to = yb < 0 ? ya / (ya - yb) : 1;
+            const auto at = [&](double t) {
+                const Eigen::Vector3d ray = a + t * (b - a);
+                return ray.norm() / std::max(std::hypot(ray.x(), ray.z()), 1e-30);
+            };
+            for (int step = 0; step < 60; ++step) {
+                const double t0 = from + (to - from) / 3, t1 = to - (to - from) / 3;
+                (at(t0) < at(t1) ? from : to) = at(t0) < at(t1) ? t0 : t1;
+            }
+            steepest = std::max(steepest, at((from + to) / 2));
+        }
+    return steepest * (1 + 1e-6);
+}
+
 }  // namespace
 
 std::optional<double> radial_bound_around(const Fog& fog, const DetailBound& dropped,
@@ -217,10 +248,12 @@ std::optional<double> radial_bound(const Fog& fog, const DetailBound& dropped, c
                                    const Camera& camera, int width, int height,
                                    const RayLimits& limits, double seconds) {
     if (camera.projection == Camera::Projection::orthographic) return std::nullopt;
-    const RadialView view =
-        radial_view(camera_matrices(camera, width, height), camera, width, height);
+    const CameraMatrices matrices = camera_matrices(camera, width, height);
+    const RadialView view = radial_view(matrices, camera, width, height);
+    RayLimits seen = limits;
+    if (!view.full) seen.steepest = std::min(seen.steepest, steepest_of(matrices));
     return radial_bound_around(fog, dropped, method, camera.eye, view, seconds, sky_limit(camera),
-                               limits);
+                               seen);
 }
 
 }  // namespace wavefog

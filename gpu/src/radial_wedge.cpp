@@ -239,11 +239,12 @@ void RadialWedges::add(const Sides& sides, int row, double from, double to, Sum&
     high.array() += slack;
     const CellRange range =
         ranges_.of(cell_of(low.x()), cell_of(high.x()), cell_of(low.y()), cell_of(high.y()));
-    sum.low = std::min(sum.low, static_cast<double>(range.low));
-    sum.high = std::max(sum.high, static_cast<double>(range.high));
     const double d = to - from;
     sum.angular += dropped(row, low, high) * d;
-    if (range.high == 0 && range.low == 0) return;
+    if (range.high == 0 && range.low == 0) {
+        sum.low = std::min(sum.low, 0.0);
+        return;
+    }
 
     const Vector2d &ray = sides.middle, across(-ray.y(), ray.x());
     const Interval by_x{static_cast<double>(range.x_low), static_cast<double>(range.x_high)};
@@ -253,6 +254,21 @@ void RadialWedges::add(const Sides& sides, int row, double from, double to, Sum&
     const double slope = (ray.x() * by_x + ray.y() * by_z).largest() + turned;
     sum.slope = std::max(sum.slope, slope);
 
+    const double skew = (across.x() * by_x + across.y() * by_z).largest() + turned;
+
+    double least = static_cast<double>(range.low), most = static_cast<double>(range.high);
+    if (ranges_.degree() > 0) {
+        // In a small part of a cell the density stays near its middle's.
+        const Vector2d middle = eye_ + (from + to) / 2 * ray.cwiseQuotient(cell_);
+        const double value = ranges_.value(cell_of(middle.x()), cell_of(middle.y()), middle);
+        const double off = slope * d / 2 + skew * to * aside +
+                           slack * cell_.maxCoeff() * (by_x.largest() + by_z.largest());
+        least = std::max(least, value - off);
+        most = std::min(most, value + off);
+    }
+    sum.low = std::min(sum.low, least);
+    sum.high = std::max(sum.high, most);
+
     // Lines of constant x and z: how far a ray's crossing moves along it, at most.
     const int degree = ranges_.degree();
     const bool own = block_.edge.w != 0 && !sides.fan;
@@ -260,17 +276,16 @@ void RadialWedges::add(const Sides& sides, int row, double from, double to, Sum&
                          2 * slack * cell_.maxCoeff();
     // The ray's parts across and along such a line.
     const auto crossing = [&](double normal, double along) {
-        const double least = std::abs(normal) - aside;
-        const double most = std::abs(along) <= aside ? 2 * d : d;
-        return least > 0 ? std::min(width * (std::abs(along) + aside) / least, most) : most;
+        const double across = std::abs(normal) - aside;
+        const double whole = std::abs(along) <= aside ? 2 * d : d;
+        return across > 0 ? std::min(width * (std::abs(along) + aside) / across, whole) : whole;
     };
     const double lines_x = range.jump_x > 0 ? crossing(ray.x(), ray.y()) : 0;
     const double lines_z = range.jump_z > 0 ? crossing(ray.y(), ray.x()) : 0;
     const double jump_x = static_cast<double>(range.jump_x) * lines_x;
     const double jump_z = static_cast<double>(range.jump_z) * lines_z;
 
-    const double oscillation = static_cast<double>(range.high - range.low) * d;
-    const double skew = (across.x() * by_x + across.y() * by_z).largest() + turned;
+    const double oscillation = (most - least) * d;
     double variation = oscillation, error = oscillation;
     if (degree == 0) {
         variation = std::min(jump_x + jump_z, oscillation);

@@ -1,6 +1,7 @@
 // A certified bound on what method radial's table leaves out.
 #pragma once
 
+#include <limits>
 #include <optional>
 
 #include "wavefog/fogmap/bound.h"
@@ -8,10 +9,12 @@
 
 namespace wavefog {
 
-/// The longest rays, as DetailBound takes them.
+/// What rays there are; the first two as DetailBound takes them.
 struct RayLimits {
     double length = 0;  ///< metres, inside the fog's box or up to a surface
     double rise = 0;    ///< metres between the heights of their ends
+    /// Metres of a ray a metre on the ground; radial_bound() knows the picture's.
+    double steepest = std::numeric_limits<double>::infinity();
 };
 
 /// |T_radial - T| for every ray of the picture within `limits`; T is dimensionless, at most 1, and
