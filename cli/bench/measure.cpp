@@ -192,7 +192,8 @@ Result<void> Measurement::run_group(const Group& group, double seconds, Results&
             fill_accuracy(contender, *truths[contender.variant], *stage, scene);
             const std::vector<Fog>& fogs = group.variants[contender.variant].fogs;
             std::vector<FogBounds>& found = bounds[contender.variant];
-            if (found.empty()) found.assign(fogs.begin(), fogs.end());
+            if (found.empty())
+                for (const Fog& fog : fogs) found.emplace_back(fog);
             contender.row.bound_dT =
                 certified_bound(fogs, found, contender.method, scene.camera, group.size.width,
                                 group.size.height, stage->limits);
