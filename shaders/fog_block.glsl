@@ -52,7 +52,8 @@ layout(std140) uniform RadialBlock {
     vec4 radius;   // x: distance of row 0, m; y: of the last row less that; z: r0 and w: sqrt(r0) of
                    // the rows' spacing, sqrt(L + r0) - sqrt(r0) = row * rows.x
     vec4 rows;     // x: see above; zw: texture v = z + w sqrt(L + r0)
-    vec4 edge;     // xy: least and largest texture u; z: texture v from one level's rows to the next's
+    vec4 edge;     // xy: least and largest texture u; z: texture v from one level's rows to the next's;
+                   // w: 1 if every pixel column has a column of its own
     vec4 cell;     // xy: metres a finest cell
     vec4 stop;     // x: integral at which a column of a uniform fog ends, metres of density 1
     ivec4 size;    // x: columns, y: rows; z: rows from one level's to the next's; w: finest level of

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "parallel.h"
-#include "wavefog/fogmap/bound.h"
 #include "wavefog/fogmap/reference.h"
 #include "wavefog/gpu/pixel_rays.h"
 
@@ -145,13 +144,13 @@ Image every_nth(const Image& image, int stride) {
     return sparse;
 }
 
-RayReach ray_reach(const std::vector<Fog>& fogs, const Camera& camera, const Image& depth) {
+RayLimits ray_limits(const std::vector<Fog>& fogs, const Camera& camera, const Image& depth) {
     const std::vector<Reference> references(fogs.begin(), fogs.end());
     const PixelRays rays(camera, depth.width, depth.height);
-    RayReach reach;
+    RayLimits limits;
     const auto include = [&](const Eigen::Vector3d& path) {
-        reach.length = std::max(reach.length, path.norm());
-        reach.rise = std::max(reach.rise, std::abs(path.y()));
+        limits.length = std::max(limits.length, path.norm());
+        limits.rise = std::max(limits.rise, std::abs(path.y()));
     };
     for (int y = 0; y < depth.height; ++y)
         for (int x = 0; x < depth.width; ++x) {
@@ -161,22 +160,41 @@ RayReach ray_reach(const std::vector<Fog>& fogs, const Camera& camera, const Ima
             for (const Reference& fog : references)
                 if (ray.sky) include(path * fog.far_end(ray.origin, path, sky_limit(camera)));
         }
-    return reach;
+    return limits;
 }
 
-std::optional<double> certified_bound(const std::vector<Fog>& fogs, const Method& method,
-                                      const RayReach& reach) {
-    const bool paper = method.kind == MethodKind::paper || method.kind == MethodKind::paper_scaling;
-    if (method.kind != MethodKind::exact && !paper) return std::nullopt;
-    double tau = 0, densest = 0;
-    for (const Fog& fog : fogs) {
-        densest += fog.extinction * double(reconstruct(fog.decomposition).maxCoeff());
-        // Their tables are exact for degree 0 and 1 with mean densities alone.
-        if (paper && (fog.degree() > 1 || method.layout != PathLayout::mean)) return std::nullopt;
-        if (method.mu < 1)
-            tau += DetailBound(fog).optical_depth(method.mu, reach.length, reach.rise);
+FogBounds::FogBounds(const Fog& fog)
+    : dropped(fog), densest(fog.extinction * double(reconstruct(fog.decomposition).maxCoeff())) {}
+
+std::optional<double> certified_bound(const std::vector<Fog>& fogs,
+                                      const std::vector<FogBounds>& bounds, const Method& method,
+                                      const Camera& camera, int width, int height,
+                                      const RayLimits& limits) {
+    if (method.kind == MethodKind::radial && camera.projection == Camera::Projection::perspective) {
+        // |dT| of a product of factors that are at most 1 is at most the sum of theirs.
+        double sum = 0;
+        for (std::size_t i = 0; i < fogs.size(); ++i) {
+            const auto bound =
+                radial_bound(fogs[i], bounds[i].dropped, method, camera, width, height, limits);
+            if (!bound) return std::nullopt;
+            sum += *bound;
+        }
+        return std::min(sum, 1.0);
     }
-    const double rounding = 0x1p-21 + 4 * 0x1p-24 * densest * reach.length;
+    const bool paper = method.kind == MethodKind::paper || method.kind == MethodKind::paper_scaling;
+    // Radial draws an orthographic picture as exact does.
+    if (method.kind != MethodKind::exact && method.kind != MethodKind::radial && !paper)
+        return std::nullopt;
+    double tau = 0, densest = 0;
+    for (std::size_t i = 0; i < fogs.size(); ++i) {
+        densest += bounds[i].densest;
+        // Their tables are exact for degree 0 and 1 with mean densities alone.
+        if (paper && (fogs[i].degree() > 1 || method.layout != PathLayout::mean))
+            return std::nullopt;
+        if (method.mu < 1)
+            tau += bounds[i].dropped.optical_depth(method.mu, limits.length, limits.rise);
+    }
+    const double rounding = 0x1p-21 + 4 * 0x1p-24 * densest * limits.length;
     return std::min(-std::expm1(-tau) + rounding, 1.0);
 }
 

@@ -6,6 +6,7 @@
 
 #include "wavefog/fogmap/image.h"
 #include "wavefog/fogmap/scene.h"
+#include "wavefog/gpu/radial_bound.h"
 
 namespace wavefog::cli {
 
@@ -28,18 +29,24 @@ Truth compute_truth(const std::vector<Fog>& fogs, const std::vector<FogModel>& m
 /// Every stride-th pixel of every stride-th row, as a Truth of that stride has them.
 Image every_nth(const Image& image, int stride);
 
-/// What rays a picture has: bounds on errors need no more.
-struct RayReach {
-    double length = 0;  ///< the longest inside a fog's box or up to a surface, metres
-    double rise = 0;    ///< the largest difference in height of such a ray's ends, metres
-};
-RayReach ray_reach(const std::vector<Fog>& fogs, const Camera& camera, const Image& depth);
+/// Of the rays of a picture: bounds on errors need no more.
+RayLimits ray_limits(const std::vector<Fog>& fogs, const Camera& camera, const Image& depth);
 
-/// Bound on |dT| for every ray of that reach: certified for dropped details, and what float32 adds
-/// to first order: walks stop at T = 2^-21, and a place along a ray is off by four units in its
-/// last place, times the densest fog there is. Empty for methods that sample or interpolate.
-std::optional<double> certified_bound(const std::vector<Fog>& fogs, const Method& method,
-                                      const RayReach& reach);
+/// What bounds need of a fog, found once.
+struct FogBounds {
+    explicit FogBounds(const Fog& fog);
+    DetailBound dropped;
+    double densest = 0;  ///< 1/m
+};
+
+/// Bound on |dT| for every ray of a picture of `width` x `height` pixels within `limits`: certified
+/// for dropped details and for radial's tables, and what float32 adds to first order: walks stop at
+/// T = 2^-21, and a place along a ray is off by four units in its last place, times the densest fog
+/// there is. Empty for methods that sample, and where radial_bound() has none. `bounds`: one a fog.
+std::optional<double> certified_bound(const std::vector<Fog>& fogs,
+                                      const std::vector<FogBounds>& bounds, const Method& method,
+                                      const Camera& camera, int width, int height,
+                                      const RayLimits& limits);
 
 struct Accuracy {
     double max_dT = 0, p99_dT = 0;                   ///< of |T - T_true| over the pixels

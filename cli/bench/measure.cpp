@@ -55,7 +55,7 @@ struct Measurement::Stage {
     Output fogged, pilot_fogged;  ///< RGBA16F, what is timed
     Output fine;                  ///< RGBA32F, what accuracy is measured on
     Image scene_colour, depth;
-    RayReach reach;
+    RayLimits limits;
 
     static Result<Stage> create(const Gl& gl, const Scene& scene, const Size& size) {
         Stage stage;
@@ -158,7 +158,7 @@ Result<void> Measurement::run_group(const Group& group, double seconds, Results&
     if (!stage) return tl::unexpected(stage.error());
 
     if (!group.variants.empty())
-        stage->reach = ray_reach(group.variants.front().fogs, scene.camera, stage->depth);
+        stage->limits = ray_limits(group.variants.front().fogs, scene.camera, stage->depth);
     // Truths come first: they do not disturb the timing.
     std::vector<const Truth*> truths;
     for (const Variant& variant : group.variants) {
@@ -195,13 +195,19 @@ Result<void> Measurement::run_group(const Group& group, double seconds, Results&
     plan_frames(contenders, seconds_left(), results);
     take_turns(group, contenders, *stage, seconds_left());
     std::optional<double> homogeneous_ms;
+    std::vector<std::vector<FogBounds>> bounds(group.variants.size());
     for (Contender& contender : contenders) {
         if (contender.wall_ms.size() > 0) {
             show_progress(label(contender.row));
             fill_times(contender, homogeneous_ms);
             fill_accuracy(contender, *truths[contender.variant], *stage, scene);
-            contender.row.bound_dT = certified_bound(group.variants[contender.variant].fogs,
-                                                     contender.method, stage->reach);
+            const std::vector<Fog>& fogs = group.variants[contender.variant].fogs;
+            std::vector<FogBounds>& found = bounds[contender.variant];
+            if (found.empty())
+                for (const Fog& fog : fogs) found.emplace_back(fog);
+            contender.row.bound_dT =
+                certified_bound(fogs, found, contender.method, scene.camera, group.size.width,
+                                group.size.height, stage->limits);
         }
         results.rows.push_back(std::move(contender.row));
     }

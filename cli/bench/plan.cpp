@@ -145,7 +145,7 @@ Result<std::vector<Group>> plan(const std::vector<BenchScene>& scenes, const Pla
         case Preset::scale:
             return plan_scale(scenes, options.size.value_or(Size{800, 600}),
                               options.methods.empty()
-                                  ? methods_named({"radial", "exact", "march:32"})
+                                  ? methods_named({"radial", "radial:step", "exact", "march:32"})
                                   : options.methods,
                               options.mus.empty() ? std::vector<double>{1, 0.95} : options.mus);
         default:

@@ -36,9 +36,6 @@ constexpr std::size_t kLargestTable = 16 << 20;  // bytes
 // Rows lie by sqrt(L + r0), r0 this part of the whole length: 4 times finer at the eye than far
 // away.
 constexpr double kNearRows = 1.0 / 16;
-// T = 9e-4 behind this much fog: a column ends there, its error below half of what can be seen.
-// With the exact last step that would be what errs most: T = 2e-6.
-constexpr double kStopRadial = 7, kStopWithStep = 13;
 // Repeated maps: periods until the mean along an azimuth is taken to stay.
 constexpr double kPeriods = 16;
 
@@ -289,7 +286,8 @@ shader::RadialBlock radial_block(const FogFacts& fog, const Eigen::Vector3d& eye
                              shape.columns);
     double begin = first;
     step = (last - first) / (columns - 1);
-    if (tangents && step <= 1.01 * pixel) {
+    const bool own_columns = tangents && step <= 1.01 * pixel;
+    if (own_columns) {
         // One column a pixel column: nothing is interpolated across.
         const double from = std::floor((first - left) / pixel);
         begin = left + (from + 0.5) * pixel;
@@ -315,11 +313,9 @@ shader::RadialBlock radial_block(const FogFacts& fog, const Eigen::Vector3d& eye
     block.azimuth = vec(begin, step, (0.5 - begin * per_step) / width, per_step / width);
     block.radius = vec(extent.nearest, length, r0, std::sqrt(r0));
     block.rows = vec(per_row, 0, (0.5 - std::sqrt(r0) / per_row) / height, 1 / per_row / height);
-    block.edge = vec(0.5 / width, (columns - 0.5) / width, 1.0 / shape.layers);
+    block.edge = vec(0.5 / width, (columns - 0.5) / width, 1.0 / shape.layers, own_columns);
     block.cell = vec(cell_x, cell_z);
-    block.stop = vec((shape.step ? kStopWithStep : kStopRadial) /
-                         std::max(fog.extinction * fog.density_scale, 1e-30),
-                     0);
+    block.stop = vec(shape.stop() / std::max(fog.extinction * fog.density_scale, 1e-30), 0);
     block.size = {columns, rows, shape.rows, shape.finest};
     // Cells of level l - 1, twice as large as level l's, serve where they are small in the picture.
     const int finest = static_cast<int>(fog.levels.size()) - 1;

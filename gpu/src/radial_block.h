@@ -17,6 +17,9 @@ struct RadialShape {
     bool step = false;               ///< look-ups take the exact last step
 
     std::size_t bytes() const;
+    /// Optical depth at which a column of a uniform fog ends. T = 9e-4 behind 7, below half of what
+    /// can be seen; with the exact last step that would be what errs most, so T = 2e-6.
+    double stop() const { return step ? 13 : 7; }
     bool operator==(const RadialShape&) const = default;
 };
 /// `sharing` views of one eye, with as many times the columns where memory and a context's

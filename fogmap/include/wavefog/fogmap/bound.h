@@ -30,6 +30,10 @@ class DetailBound {
     double transmittance(double mu, double length, double rise) const;
 
     int levels() const { return static_cast<int>(dropped_.size()); }
+    /// E_l by blocks of cells, times extinction, 1/m; block (0, 0) begins where the map's box does.
+    const Grid<float>& dropped(int level) const { return dropped_[std::size_t(level)]; }
+    double block_x() const { return block_x_; }  ///< metres
+    double block_z() const { return block_z_; }
 
   private:
     double heaviest_segment(const Grid<float>& density, double length, double rise) const;

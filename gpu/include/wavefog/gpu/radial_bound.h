@@ -1,0 +1,36 @@
+// A certified bound on what method radial's table leaves out.
+#pragma once
+
+#include <limits>
+#include <optional>
+
+#include "wavefog/fogmap/bound.h"
+#include "wavefog/fogmap/scene.h"
+
+namespace wavefog {
+
+/// What rays there are; the first two as DetailBound takes them.
+struct RayLimits {
+    double length = 0;  ///< metres, inside the fog's box or up to a surface
+    double rise = 0;    ///< metres between the heights of their ends
+    /// Metres of a ray a metre on the ground; radial_bound() knows the picture's.
+    double steepest = std::numeric_limits<double>::infinity();
+};
+
+/// |T_radial - T| for every ray of the picture within `limits`; T is dimensionless, at most 1, and
+/// that of the finest map. It is found for every wedge between two columns and every two rows:
+/// - across the wedge, |f - linear| <= min(variation of f, (h^2/8) |f''| + (h/4) jumps of f') for
+///   f(azimuth) = integral of rho dx: its variation is the integral of |rho_p| dA (p across the
+///   ray), f'' = integral of x^2 rho_pp - x rho_x dx; coarser levels add the integral of E_l;
+/// - between rows, A(L) = A_j + rho_mean (L - L_j) + a rest of at most min(osc rho, |rho'| d/2) d/4
+///   (means A / L are linear but for c / L and that rest); nothing with the exact last step;
+/// - |dT| <= exp(-tau) (exp(|dtau|) - 1) with the least tau that the columns allow, and float32 and
+///   8-bit texture weights to first order.
+/// `dropped` is the same fog's. Haar maps are bounded by the variation alone, which is several
+/// times looser. No bound for exponential profiles, 0 < mu < 1, orthographic cameras (which exact
+/// draws), a table of a few wide columns, and repeated fog that rays leave the table in.
+std::optional<double> radial_bound(const Fog& fog, const DetailBound& dropped, const Method& method,
+                                   const Camera& camera, int width, int height,
+                                   const RayLimits& limits, double seconds = 0);
+
+}  // namespace wavefog

@@ -1,0 +1,269 @@
+#include "wavefog/gpu/radial_bound.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "fog_uniforms.h"
+#include "radial_around.h"
+#include "radial_wedge.h"
+#include "wavefog/gpu/pixel_rays.h"
+
+namespace wavefog {
+namespace {
+
+// Sums of float32 terms along a column; a look-up itself.
+constexpr double kUlp = 0x1p-24, kLookUp = 64;
+// Pieces of the height profile's value where a ray ends.
+constexpr int kEnds = 4;
+
+/// The largest |dT| of rays whose optical depth is at least k tau and off by at most k error, for
+/// all k from least to most. `drawn`: k times this is drawn at least.
+double worst(double tau, double error, double least, double most, double drawn) {
+    if (error <= 0 || most <= 0) return 0;
+    double bound = std::min(-std::expm1(-most * error), std::exp(-least * std::min(tau, drawn)));
+    // exp(-k tau) (exp(k error) - 1) has one maximum.
+    double k = most;
+    if (error < tau) k = std::clamp(-std::log1p(-error / tau) / error, least, most);
+    if (k * error < 30) bound = std::min(bound, std::exp(-k * tau) * std::expm1(k * error));
+    return bound;
+}
+
+/// A ray's height profile, seen from the eye.
+struct Heights {
+    Profile::Kind kind = Profile::Kind::uniform;
+    double near = 0, far = 0;  ///< from the eye to the nearer and the farther end of the profile's
+                               ///< varying part, metres; near is 0 inside
+    double eta = 0;            ///< the eye's, in units of that part, from its lower end
+};
+
+Heights heights_of(const Profile& profile, double y) {
+    Heights heights;
+    heights.kind = profile.kind;
+    if (profile.kind != Profile::Kind::slab && profile.kind != Profile::Kind::linear)
+        return heights;
+    const double bottom = profile.kind == Profile::Kind::slab ? profile.bottom : profile.base;
+    heights.near = std::max({bottom - y, y - profile.top, 0.0});
+    heights.far = std::max(std::abs(bottom - y), std::abs(profile.top - y));
+    heights.eta = (y - bottom) / (profile.top - bottom);
+    return heights;
+}
+
+/// Goes through a table's wedges.
+class Search {
+  public:
+    Search(RadialWedges& wedges, const Heights& heights, const RayLimits& limits, double densest,
+           double cell, const RadialShape& shape)
+        : wedges_(wedges),
+          heights_(heights),
+          limits_(limits),
+          densest_(densest),
+          cell_(cell),
+          stop_(shape.stop()),
+          step_(shape.step) {}
+
+    /// False if there are rays that the table ends before.
+    bool add(int wedge, bool repeat);
+    double largest() const { return largest_; }
+
+  private:
+    /// Metres of a ray a metre on the ground.
+    double steepest(double r, double exit) const {
+        const double at = std::min(r, exit);
+        return std::max(longest(at) / at, 1.0);
+    }
+    /// Of the rays that end at most that far on the ground.
+    double longest(double r) const {
+        return std::min({limits_.length, std::hypot(r, limits_.rise), limits_.steepest * r});
+    }
+    double rounding(double far, double high) const {
+        return (kLookUp + 2 * far / cell_) * kUlp * high + 4 * kUlp * densest_ * far;
+    }
+    void include(double bound) { largest_ = std::max(largest_, bound); }
+    bool visit_whole(const RadialStretch& s, double exit);
+    bool visit_linear(const RadialStretch& s, double exit);
+    void between_slabs();
+
+    RadialWedges& wedges_;
+    Heights heights_;
+    RayLimits limits_;
+    double densest_, cell_, stop_;
+    bool step_;  ///< look-ups are exact behind their row
+    double largest_ = 0;
+    double second_ = 0;  ///< linear: the largest error of A_2 over its distance so far
+    std::vector<RadialStretch> stretches_;
+};
+
+// Rays that fog fills from the eye on.
+bool Search::visit_whole(const RadialStretch& s, double exit) {
+    const double round = rounding(wedges_.start() + s.far, s.high);
+    const double r = wedges_.start() + s.near;
+    if (r == 0) {
+        const double most = longest(s.far);
+        include(worst(s.density_low, s.relative + round / s.far, 0, most, 0));
+        return true;
+    }
+    const double error = s.angular + s.radial + s.missing + round;
+    include(worst(s.low, error, 1, steepest(r, exit), std::min(s.low, stop_) * 0.999));
+    const double least = std::min(s.low, stop_) * 0.999;
+    // Behind so much fog neither T is larger.
+    if (s.low > stop_ + 1 || std::exp(-least) <= largest_) {
+        include(std::exp(-least));
+        return false;
+    }
+    return true;
+}
+
+// With the profile's value h at the ray's end and h0 at the eye, the optical depth is h A_1 plus
+// (h0 - h) / r A_2 if the eye is not above, and h0 A_1 at least where h0 < h.
+bool Search::visit_linear(const RadialStretch& s, double exit) {
+    const double eta = heights_.eta, eye = std::clamp(1 - eta, 0.0, 1.0);
+    const double round = rounding(wedges_.start() + s.far, s.high);
+    const double r = wedges_.start() + s.near;
+    const bool at_eye = r == 0;
+    const double first = at_eye ? s.relative + round / s.far : s.radial + round;
+    const double second = at_eye ? s.relative + round / s.far : s.radial_2 / r + round;
+    second_ = std::max(second_, at_eye ? second * s.far : second);
+    const double least = at_eye ? 0 : 1;
+    const double most = at_eye ? longest(s.far) : steepest(r, exit);
+    for (int k = 0; k < kEnds; ++k) {
+        const double low = double(k) / kEnds, high = double(k + 1) / kEnds;
+        double turns = std::max(std::abs(high - eye), std::abs(low - eye));
+        if (eta < 0) turns = 1 - low - 2 * eta;
+        if (eta > 1) turns = 2 * (eta - 1) + high;
+        const double error = high * first + turns * (at_eye ? second : second_) +
+                             (at_eye ? 0 : std::max(eye, high) * s.angular);
+        double tau = 0;
+        if (eta <= 1 && !at_eye) {
+            const double mean = s.low_2 / (wedges_.start() + s.far);
+            tau = low < eye ? (eye - low) * mean + low * s.low : eye * s.low;
+        }
+        include(worst(tau, error, least, most, 0));
+    }
+    return true;
+}
+
+// From above or below, a ray is in the slab from r1 to r2 <= r1 far / near.
+void Search::between_slabs() {
+    const double start = wedges_.start(), ratio = heights_.far / std::max(heights_.near, 1e-30);
+    double most = 0, relative = 0;  // of the stretches that r2 may lie in
+    std::size_t reached = 0;
+    for (const RadialStretch& one : stretches_) {
+        const double near = start + one.near, far = start + one.far;
+        if (near > limits_.length) break;
+        while (reached < stretches_.size() &&
+               (reached == 0 || start + stretches_[reached].near <= ratio * far)) {
+            const RadialStretch& two = stretches_[reached++];
+            const double round = rounding(start + two.far, two.high);
+            const double error = two.angular + two.radial + round;
+            most = std::max(most, error);
+            const double from = start + two.near;
+            relative = std::max(
+                relative, std::min(limits_.length, std::hypot(start + two.far, heights_.far)) *
+                              (from == 0 ? two.relative + round / two.far : error / from));
+        }
+        const double round = rounding(far, one.high);
+        double error;
+        if (near == 0) {
+            error = std::hypot(far, heights_.near) * (one.relative + round / far) + relative;
+        } else {
+            const double steep = std::hypot(1, heights_.near / near);
+            // The row of an exact last step may lie before this stretch.
+            const double shared = step_ ? 0 : one.angular_near;
+            error = steep * (one.radial + round + most - shared);
+        }
+        include(-std::expm1(-error));
+    }
+}
+
+bool Search::add(int wedge, bool repeat) {
+    const bool through = heights_.kind == Profile::Kind::slab && heights_.near > 0;
+    bool seen_whole = true;
+    stretches_.clear();
+    second_ = 0;
+    wedges_.walk(wedge, [&](RadialStretch s, double exit) {
+        if (step_) s.radial = s.radial_2 = s.relative = 0;
+        if (wedges_.start() + s.near > limits_.length) return seen_whole = false;
+        if (through)
+            stretches_.push_back(s);
+        else if (heights_.kind == Profile::Kind::linear)
+            return visit_linear(s, exit);
+        else
+            return seen_whole = visit_whole(s, exit);
+        return true;
+    });
+    if (through) between_slabs();
+    return !(seen_whole && repeat && wedges_.start() + wedges_.length() < limits_.length);
+}
+
+/// Metres of a picture's ray a metre on the ground, at most.
+double steepest_of(const CameraMatrices& matrices) {
+    const Eigen::Matrix4d from_clip = eye_from_clip(matrices);
+    const auto corner = [&](int k) -> Eigen::Vector3d {
+        const double x = k == 0 || k == 3 ? -1 : 1, y = k < 2 ? -1 : 1;
+        return (from_clip * Eigen::Vector4d(x, y, 1 - matrices.sky_depth, 1)).head<3>();
+    };
+    double steepest = 1;
+    for (int k = 0; k < 4; ++k)
+        for (const double up : {1.0, -1.0}) {
+            const Eigen::Vector3d a = corner(k % 4), b = corner((k + 1) % 4);
+            const double ya = up * a.y(), yb = up * b.y();
+            if (std::max(ya, yb) <= 0) continue;
+            // Where the side points up, the ray's rise has one maximum.
+            double from = ya < 0 ? ya / (ya - yb) : 0, to = yb < 0 ? ya / (ya - yb) : 1;
+            const auto at = [&](double t) {
+                const Eigen::Vector3d ray = a + t * (b - a);
+                return ray.norm() / std::max(std::hypot(ray.x(), ray.z()), 1e-30);
+            };
+            for (int step = 0; step < 60; ++step) {
+                const double t0 = from + (to - from) / 3, t1 = to - (to - from) / 3;
+                (at(t0) < at(t1) ? from : to) = at(t0) < at(t1) ? t0 : t1;
+            }
+            steepest = std::max(steepest, at((from + to) / 2));
+        }
+    return steepest * (1 + 1e-6);
+}
+
+}  // namespace
+
+std::optional<double> radial_bound_around(const Fog& fog, const DetailBound& dropped,
+                                          const Method& method, const Eigen::Vector3d& eye,
+                                          const RadialView& view, double seconds, double limit,
+                                          const RayLimits& limits) {
+    if (fog.profile.kind == Profile::Kind::exponential) return std::nullopt;
+    if (fog.extinction == 0) return 0;
+    const auto pyramid = approximations(fog.decomposition);
+    const FogFacts facts = fog_facts(fog, build_cell_atlas(pyramid));
+    const RadialShape shape = radial_shape(facts, method);
+    if (shape.layers > 1) return std::nullopt;
+    const Eigen::Vector2d cell(fog.cell_x(), fog.cell_z());
+    const CellRanges ranges(pyramid.levels.back(), fog.degree(), fog.decomposition.boundary, cell,
+                            fog.extinction);
+    const Eigen::Vector2d place(
+        (eye.x() - fog.rect.x0 - fog.wind[0] * seconds) / cell.x() + fog.degree() / 2.0,
+        (eye.z() - fog.rect.z0 - fog.wind[1] * seconds) / cell.y() + fog.degree() / 2.0);
+    const bool uniform = fog.profile.kind == Profile::Kind::uniform;
+    RadialWedges wedges(ranges, dropped, radial_block(facts, eye, view, seconds, limit, shape),
+                        place, 0, uniform ? shape.stop() : std::numeric_limits<double>::infinity());
+    if (!wedges.narrow()) return std::nullopt;
+    Search search(wedges, heights_of(fog.profile, eye.y()), limits, ranges.largest(),
+                  cell.minCoeff(), shape);
+    for (int wedge = view.full ? 0 : wedges.first(); wedge < wedges.count(); ++wedge)
+        if (!search.add(wedge, ranges.repeat())) return std::nullopt;
+    return std::min(search.largest() + 0x1p-21, 1.0);
+}
+
+std::optional<double> radial_bound(const Fog& fog, const DetailBound& dropped, const Method& method,
+                                   const Camera& camera, int width, int height,
+                                   const RayLimits& limits, double seconds) {
+    if (camera.projection == Camera::Projection::orthographic) return std::nullopt;
+    const CameraMatrices matrices = camera_matrices(camera, width, height);
+    const RadialView view = radial_view(matrices, camera, width, height);
+    RayLimits seen = limits;
+    if (!view.full) seen.steepest = std::min(seen.steepest, steepest_of(matrices));
+    return radial_bound_around(fog, dropped, method, camera.eye, view, seconds, sky_limit(camera),
+                               seen);
+}
+
+}  // namespace wavefog
