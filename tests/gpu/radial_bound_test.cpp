@@ -120,13 +120,16 @@ TEST_CASE("radial bound: above every error of random and adversarial maps") {
                       Eigen::Vector3d(2.3, 31.1, 4.4)}) {
                     const auto points = points_around(eye, 90, -4, 12, 400, random);
                     for (const Method& method :
-                         {Method{.kind = MethodKind::radial, .radial = {301, 70}}}) {
+                         {Method{.kind = MethodKind::radial, .radial = {301, 70}},
+                          Method{.kind = MethodKind::radial,
+                          .radial = {301, 24},
+                          .radial_step = true}}) {
                         const Figures figures = figures_of(fog, method, eye, points);
                         CAPTURE(named.name);
                         CAPTURE(degree);
                         CAPTURE(static_cast<int>(profile.kind));
                         CAPTURE(eye.transpose());
-                        CAPTURE(method.radial[0]);
+                        CAPTURE(method.name());
                         REQUIRE(figures.bound.has_value());
                         CHECK_LE(figures.measured, *figures.bound);
                         CHECK_LE(*figures.bound, 1);

@@ -10,6 +10,7 @@
 #include "glsl_in_cpp.h"
 #include "gpu/fog_picture.h"
 #include "wavefog/gpu/pixel_rays.h"
+#include "wavefog/gpu/radial_bound.h"
 
 using namespace wavefog;
 using namespace wavefog::test;
@@ -115,6 +116,52 @@ TEST_CASE("radial: every basis, profile and camera within 1/510 of the reference
             }
         }
     }
+}
+
+TEST_CASE("radial: no picture errs more than its certified bound") {
+    Context& context = osmesa();
+    const Gl& gl = context.gl();
+    Random random(65);
+    const auto cases = radial_cases();
+    std::vector<FogPicture> pictures;
+    for (const auto& one : cases) pictures.push_back(make_picture(gl, one.camera));
+    int bounds = 0;
+    double closest = 0;
+    for (int degree = 0; degree <= 2; ++degree) {
+        Fog fog = random_fog(48, 36, {.degree = degree, .levels = 2}, random);
+        for (const auto& profile : all_profiles()) {
+            if (profile.kind == Profile::Kind::exponential) continue;  // has no bound
+            fog.profile = profile;
+            const auto textures = FogTextures::create(gl, fog);
+            REQUIRE(textures.has_value());
+            const std::vector<Reference> reference = {Reference(fog)};
+            const DetailBound dropped(fog);
+            for (const bool step : {false, true}) {
+                const Method method{.kind = MethodKind::radial, .radial_step = step};
+                FogPass pass = make_pass(gl, {&*textures}, method);
+                for (std::size_t i = 0; i < cases.size(); ++i) {
+                    const Camera& camera = cases[i].camera;
+                    if (camera.projection == Camera::Projection::orthographic) continue;
+                    // No ray is longer or climbs more.
+                    const RayLimits limits{.length = 1500, .rise = 1500};
+                    const auto bound =
+                        radial_bound(fog, dropped, method, camera, kWidth, kHeight, limits);
+                    REQUIRE(bound.has_value());
+                    const Errors errors = errors_of(pictures[i], camera,
+                                                    draw(gl, pass, pictures[i], camera), reference);
+                    CAPTURE(std::string(cases[i].name));
+                    CAPTURE(degree);
+                    CAPTURE(method.name());
+                    CAPTURE(static_cast<int>(profile.kind));
+                    CHECK_LE(errors.largest, *bound);
+                    closest = std::max(closest, errors.largest / *bound);
+                    ++bounds;
+                }
+            }
+        }
+    }
+    MESSAGE(bounds << " pictures, the largest error " << closest << " of its bound");
+    CHECK(bounds > 100);
 }
 
 TEST_CASE("radial: a level camera's columns with the exact last step are exact") {
