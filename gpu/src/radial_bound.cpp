@@ -169,9 +169,7 @@ void Search::between_slabs() {
             error = std::hypot(far, heights_.near) * (one.relative + round / far) + relative;
         } else {
             const double steep = std::hypot(1, heights_.near / near);
-            // The row of an exact last step may lie before this stretch.
-            const double shared = step_ ? 0 : one.angular_near;
-            error = steep * (one.radial + round + most - shared);
+            error = steep * (one.radial + round + most - one.angular_near);
         }
         include(-std::expm1(-error));
     }
