@@ -150,7 +150,8 @@ Command add_bench(CLI::App& root) {
         ->type_name("DIR");
     add_choice(*app, "--preset", options->plan.preset, preset_names, "What to measure (none)");
     add_parsed(*app, "--methods", options->plan.methods, parse_methods, "M,M,...",
-               "Methods (the preset's, or radial,exact,march:32,march:256); homogeneous is always "
+               "Methods (the preset's, or radial,radial:step,exact,march:32,march:256); "
+               "homogeneous is always "
                "there");
     add_parsed(*app, "--mu", options->plan.mus, parse_mus, "MU,MU,...",
                "Each method that has a mu is measured at all of these (1)");

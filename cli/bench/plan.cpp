@@ -131,9 +131,10 @@ Result<std::vector<T>> parse_list(const std::string& text, Parse parse) {
 
 Result<std::vector<Group>> plan(const std::vector<BenchScene>& scenes, const PlanOptions& options,
                                 std::vector<std::string>& cut) {
-    const auto methods = options.methods.empty()
-                             ? methods_named({"radial", "exact", "march:32", "march:256"})
-                             : options.methods;
+    const auto methods =
+        options.methods.empty()
+            ? methods_named({"radial", "radial:step", "exact", "march:32", "march:256"})
+            : options.methods;
     switch (options.preset) {
         case Preset::chart:
             return plan_chart(scenes, options);

@@ -42,7 +42,8 @@ std::string report_text(const Results& results, bool markdown) {
     else if (results.preset() == "compression")
         text = compression_text(results.compression, markdown);
     else if (results.preset() == "scale")
-        text = scale_table_text(results.rows, markdown);
+        text = (markdown ? "" : scale_table_text(results.rows, markdown) + "\n") +
+               scale_summary_text(results.rows, markdown);
     else if (results.preset() == "chart")
         // The README has the charts themselves.
         text = (markdown ? "" : rows_text(results.rows, markdown) + "\n") +

@@ -139,4 +139,47 @@ std::string scale_table_text(const std::vector<Row>& rows, bool markdown) {
     return table.text(markdown);
 }
 
+std::string scale_summary_text(const std::vector<Row>& rows, bool markdown) {
+    struct Cell {
+        Samples ratio;
+        double max_dT = 0;
+    };
+    // By the picture's width, the scene without its camera, and the map's size.
+    std::vector<std::string> scenes;
+    std::map<std::tuple<int, std::size_t, int>, std::map<std::string, Cell>> lines;
+    for (const Row& row : rows) {
+        if (!row.ratio_homogeneous || !row.max_dT || row.mu < 1) continue;
+        const std::string scene = row.scene.substr(0, row.scene.find(','));
+        auto found = std::find(scenes.begin(), scenes.end(), scene);
+        if (found == scenes.end()) found = scenes.insert(scenes.end(), scene);
+        Cell& cell = lines[{row.width, std::size_t(found - scenes.begin()), row.map_width}]
+                          [row.reused.value_or(false) ? row.method + ", reused" : row.method];
+        cell.ratio.add(*row.ratio_homogeneous);
+        cell.max_dT = std::max(cell.max_dT, *row.max_dT);
+    }
+    Table table({"picture, scene, map", "radial", "max |ΔT|", "reused", "radial:step", "max |ΔT|",
+                 "exact", "max |ΔT|", "march:32", "max |ΔT|"});
+    for (const auto& [key, line] : lines) {
+        const auto& [width, scene, map] = key;
+        const auto cost = [&line = line](const char* method) -> std::string {
+            const auto found = line.find(method);
+            if (found == line.end()) return "-";
+            const Samples& ratio = found->second.ratio;
+            const std::string median = short_number(ratio.median());
+            return ratio.size() == 1
+                       ? median
+                       : fmt::format("{} ({})", median, short_number(ratio.percentile(100)));
+        };
+        const auto error = [&line = line](const char* method) -> std::string {
+            const auto found = line.find(method);
+            return found == line.end() ? "-" : error_number(found->second.max_dT);
+        };
+        table.add({fmt::format("{} wide, {}, {}²", width, scenes[scene], map), cost("radial"),
+                   error("radial"), cost("radial, reused"), cost("radial:step"),
+                   error("radial:step"), cost("exact"), error("exact"), cost("march:32"),
+                   error("march:32")});
+    }
+    return table.text(markdown);
+}
+
 }  // namespace wavefog::cli

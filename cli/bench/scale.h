@@ -21,4 +21,8 @@ Result<std::vector<Group>> plan_scale(const std::vector<BenchScene>& scenes, con
 /// to `homogeneous`, and the worst error of all.
 std::string scale_table_text(const std::vector<Row>& rows, bool markdown);
 
+/// Shorter: a row a picture size, scene and map size; of each method the median (and worst) cost
+/// relative to `homogeneous` over the cameras, and the worst error.
+std::string scale_summary_text(const std::vector<Row>& rows, bool markdown);
+
 }  // namespace wavefog::cli

@@ -351,6 +351,10 @@ TEST_CASE("bench scale: five cameras a scene, and the worst error of all in the 
     CHECK(text.find("10.0") != std::string::npos);     // the median of 10, 15 and 5
     CHECK(text.find("15.0") != std::string::npos);     // the worst
     CHECK(text.find("3.0e-07") != std::string::npos);  // the worst error
+    const std::string summary = scale_summary_text(rows, false);
+    CHECK(summary.find("800 wide, hill, 64²") != std::string::npos);
+    CHECK(summary.find("10.0 (15.0)") != std::string::npos);
+    CHECK(summary.find("3.0e-07") != std::string::npos);
 }
 
 TEST_CASE("bench: the truth of a pixel larger than cells is its mean, of others its middle") {
