@@ -75,7 +75,7 @@ Curve five_times_ours(const std::vector<Row>& group) {
     std::stable_sort(ours.begin(), ours.end(), [](const Row& a, const Row& b) {
         return *a.ratio_homogeneous < *b.ratio_homogeneous;
     });
-    Curve curve{"5 × the cost of ours", "five times", Curve::Style::plain, {}};
+    Curve curve{"5 × ours", "five times", Curve::Style::plain, {}};
     for (const Row& row : ours) {
         // A staircase: errors between two settings cost what the better one costs.
         if (!curve.points.empty() && *row.max_dT >= curve.points.back().second) continue;
