@@ -154,7 +154,7 @@ TEST_CASE("bench presets: speed prints a table, paper-tables measures its cells"
         work.run({"bench", "scene.json", "--preset", "speed", "--frames", "1", "--json"});
     REQUIRE_MESSAGE(speed.status == 0, speed.err);
     const json stored = json::parse(speed.out);
-    CHECK(stored["rows"].size() == 5);
+    CHECK(stored["rows"].size() == 6);
     CHECK(stored["provenance"]["preset"] == "speed");
 
     write_scene(work, "other.json");
