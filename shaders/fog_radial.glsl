@@ -85,18 +85,14 @@ vec3 radial_last_step(RadialPlace place, int row, float from, float to) {
     float twist = grid.g.x * grid.g.y;
     vec2 inside = radial_inside(vec2(from, to), place.slope);
     float t = inside.x;
-    // On a face, the cell that the ray goes into.
-    vec2 point = grid.o + grid.g * t;
-    vec2 k = vec2(grid.g.x < 0.0f ? ceil(point.x) - 1.0f : floor(point.x),
-                  grid.g.y < 0.0f ? ceil(point.y) - 1.0f : floor(point.y));
+    vec2 k = radial_cell(grid, t);
     vec3 sum = vec3(0.0f);
     while (t < inside.y) {
         vec2 cross = (k + grid.face) * grid.per_cell;
         float next = min(max(min(cross.x, cross.y), t), inside.y);
-        FogLine line = fog_line(fog_fetch(level, k + grid.first), grid.o + grid.g * t - k, grid.g, twist);
+        FogLine line = radial_line(grid, level, k, t, twist);
         sum = radial_join(sum, radial_step(line, next - t), next - t);
-        k = vec2(cross.x <= next ? k.x + grid.forward.x : k.x,
-                 cross.y <= next ? k.y + grid.forward.y : k.y);
+        k = radial_next_cell(grid, k, cross, next);
         t = next;
     }
     return radial_join(sum, vec3(0.0f), to - inside.y);

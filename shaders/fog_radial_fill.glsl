@@ -35,10 +35,7 @@ void radial_walk(int column, int first, int finest, int begin, int end) {
         FogGrid grid = fog_grid(origin, slope, l);
         float twist = grid.g.x * grid.g.y;
         float t = clamp(at, inside.x, inside.y);
-        // On a face, the cell that the ray goes into.
-        vec2 point = grid.o + grid.g * t;
-        vec2 k = vec2(grid.g.x < 0.0f ? ceil(point.x) - 1.0f : floor(point.x),
-                      grid.g.y < 0.0f ? ceil(point.y) - 1.0f : floor(point.y));
+        vec2 k = radial_cell(grid, t);
 #ifdef RADIAL_SEGMENTS
         // A step's sign is that of all since the cell's or the level's entry: it starts there, and what
         // the row before has of it is taken off.
@@ -46,9 +43,8 @@ void radial_walk(int column, int first, int finest, int begin, int end) {
         float level_start = start + radial_distance(spacing, max(level_begin - 1, 0));
         vec2 enter = (k + grid.face - grid.forward) * grid.per_cell;
         t = min(t, max(max(enter.x, enter.y), clamp(level_start, inside.x, inside.y)));
-        point = grid.o + grid.g * t;
 #endif
-        FogLine line = fog_line(fog_fetch(level, k + grid.first), point - k, grid.g, twist);
+        FogLine line = radial_line(grid, level, k, t, twist);
         if (row == 0) {
             // Every mean begins with the density where the walk begins.
             float density = inside.x == start && inside.y > start ? max(line.s0, 0.0f) : 0.0f;
@@ -69,10 +65,9 @@ void radial_walk(int column, int first, int finest, int begin, int end) {
             while (next < until) {
                 float d = next - t;
                 sum = radial_join(sum, radial_step(line, d), d);
-                k = vec2(cross.x <= next ? k.x + grid.forward.x : k.x,
-                         cross.y <= next ? k.y + grid.forward.y : k.y);
+                k = radial_next_cell(grid, k, cross, next);
                 t = next;
-                line = fog_line(fog_fetch(level, k + grid.first), grid.o + grid.g * t - k, grid.g, twist);
+                line = radial_line(grid, level, k, t, twist);
                 cross = (k + grid.face) * grid.per_cell;
                 next = max(min(cross.x, cross.y), t);
             }

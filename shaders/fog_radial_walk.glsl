@@ -28,6 +28,24 @@ vec3 radial_step(FogLine line, float d) {
     return sum.x > 0.0f ? sum : vec3(0.0f);
 }
 
+// The cell at t; on a face, the one that the ray goes into.
+vec2 radial_cell(FogGrid grid, float t) {
+    vec2 point = grid.o + grid.g * t;
+    return vec2(grid.g.x < 0.0f ? ceil(point.x) - 1.0f : floor(point.x),
+                grid.g.y < 0.0f ? ceil(point.y) - 1.0f : floor(point.y));
+}
+
+// The cell behind k, which the ray leaves at `next` through the faces that it crosses there.
+vec2 radial_next_cell(FogGrid grid, vec2 k, vec2 cross, float next) {
+    return vec2(cross.x <= next ? k.x + grid.forward.x : k.x,
+                cross.y <= next ? k.y + grid.forward.y : k.y);
+}
+
+// The density from t on in cell k.
+FogLine radial_line(FogGrid grid, ivec4 level, vec2 k, float t, float twist) {
+    return fog_line(fog_fetch(level, k + grid.first), grid.o + grid.g * t - k, grid.g, twist);
+}
+
 // The part of a line from the eye that lies inside the map, of `range` in metres. `slope`: finest cells
 // a metre.
 vec2 radial_inside(vec2 range, vec2 slope) {

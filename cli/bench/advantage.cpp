@@ -30,8 +30,7 @@ const Row* cheapest(const std::vector<Row>& rows, double error, Wanted wanted) {
 }
 
 std::string name_of(const Row* row) {
-    if (row == nullptr) return "none";
-    return row->mu == 1 ? row->method : fmt::format("{}, μ {}", row->method, row->mu);
+    return row == nullptr ? "none" : setting_name(*row);
 }
 
 std::string cost_of(const Row* row) {
@@ -48,11 +47,7 @@ bool is_ours(const Row& row) {
 std::string advantage_text(const std::vector<Row>& rows, bool markdown) {
     Table table({"scene, max |ΔT| at most", "ours", "× homogeneous", "march or froxel",
                  "× homogeneous", "times faster"});
-    for (std::size_t begin = 0; begin < rows.size();) {
-        std::size_t end = begin;
-        while (end < rows.size() && rows[end].group == rows[begin].group) ++end;
-        const std::vector<Row> group(rows.begin() + std::ptrdiff_t(begin),
-                                     rows.begin() + std::ptrdiff_t(end));
+    for (const std::vector<Row>& group : groups_of(rows)) {
         for (const double error : kErrors) {
             const Row* ours = cheapest(group, error, is_ours);
             const Row* theirs = cheapest(group, error, takes_samples);
@@ -62,7 +57,6 @@ std::string advantage_text(const std::vector<Row>& rows, bool markdown) {
                  cost_of(ours), name_of(theirs), cost_of(theirs),
                  both ? short_number(*theirs->ratio_homogeneous / *ours->ratio_homogeneous) : "-"});
         }
-        begin = end;
     }
     return table.text(markdown);
 }

@@ -12,16 +12,6 @@
 namespace wavefog::cli {
 namespace {
 
-/// The rows of one group, in order.
-std::vector<std::vector<Row>> groups_of(const std::vector<Row>& rows) {
-    std::vector<std::vector<Row>> groups;
-    for (const Row& row : rows) {
-        if (groups.empty() || groups.back().front().group != row.group) groups.emplace_back();
-        groups.back().push_back(row);
-    }
-    return groups;
-}
-
 /// Letters, digits and dashes only.
 std::string file_name(std::string text) {
     std::replace_if(

@@ -197,6 +197,22 @@ std::string figures_csv(const std::vector<Figure>& figures) {
     return text;
 }
 
+std::vector<std::vector<Row>> groups_of(const std::vector<Row>& rows) {
+    std::vector<std::vector<Row>> groups;
+    for (const Row& row : rows) {
+        if (groups.empty() || groups.back().front().group != row.group) groups.emplace_back();
+        groups.back().push_back(row);
+    }
+    return groups;
+}
+
+std::string setting_name(const Row& row) {
+    std::string name = row.method;
+    if (row.mu < 1) name += fmt::format(", μ {}", row.mu);
+    if (row.reused.value_or(false)) name += ", reused";
+    return name;
+}
+
 std::string method_base(const std::string& method) {
     return method.substr(0, method.find(':'));
 }

@@ -94,6 +94,12 @@ std::string rows_csv(const std::vector<Row>& rows);
 /// All points as CSV: figure,curve,x,y.
 std::string figures_csv(const std::vector<Figure>& figures);
 
+/// Rows that took turns, in order.
+std::vector<std::vector<Row>> groups_of(const std::vector<Row>& rows);
+
+/// The method with what else sets a row apart: "exact, μ 0.8", "radial, reused".
+std::string setting_name(const Row& row);
+
 /// "march" of "march:32".
 std::string method_base(const std::string& method);
 

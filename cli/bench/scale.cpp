@@ -111,9 +111,7 @@ std::string scale_table_text(const std::vector<Row>& rows, bool markdown) {
     std::map<std::tuple<int, int, std::size_t>, Cell> cells;
     for (const Row& row : rows) {
         if (!row.ratio_homogeneous || !row.max_dT) continue;
-        std::string name = row.method;
-        if (row.mu < 1) name += fmt::format(", μ {}", row.mu);
-        if (row.reused.value_or(false)) name += ", reused";
+        const std::string name = setting_name(row);
         auto found = std::find(methods.begin(), methods.end(), name);
         if (found == methods.end()) found = methods.insert(methods.end(), name);
         Cell& cell = cells[{row.width, row.map_width, std::size_t(found - methods.begin())}];
@@ -153,7 +151,7 @@ std::string scale_summary_text(const std::vector<Row>& rows, bool markdown) {
         auto found = std::find(scenes.begin(), scenes.end(), scene);
         if (found == scenes.end()) found = scenes.insert(scenes.end(), scene);
         Cell& cell = lines[{row.width, std::size_t(found - scenes.begin()), row.map_width}]
-                          [row.reused.value_or(false) ? row.method + ", reused" : row.method];
+                          [setting_name(row)];
         cell.ratio.add(*row.ratio_homogeneous);
         cell.max_dT = std::max(cell.max_dT, *row.max_dT);
     }
