@@ -29,7 +29,7 @@ struct FitSetting {
     Method method;
     FogPass pass;
     Worst worst;    ///< over the tuning views
-    double ms = 0;  ///< of the camera that takes longest
+    double ms = 0;  ///< of the camera that takes longest, the least of its frames
 };
 
 /// A setting that errs too much.
