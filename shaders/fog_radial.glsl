@@ -5,9 +5,9 @@
 // of the table is an azimuth, row j a horizontal distance L from `radial.radius.x` on; its channels
 // are the n-fold integrals of the density along the azimuth,
 //   A_n(L) = integral of rho(x) (L - x)^(n-1) / (n-1)! over x in [0, L],
-// as means m_n = n! A_n / L^n, which stay finite at L = 0 and are interpolated linearly. A height
-// profile that is a spline in eta is integrated by parts: only its ends, and the jumps of its
-// derivatives at its knots, need a look-up.
+// as means m_n = n! A_n / L^n, which stay finite at L = 0 and are interpolated linearly. A slab
+// needs two look-ups, a linear profile is integrated by parts, and for the exponential one
+// (fog_radial_profile.glsl) the differences from row to row tell the density between them.
 //
 // With RADIAL_LAYERED (0 < mu < 1) there is a table for every level l, of the approximation that
 // holds the levels 0..l, one below the other: level l serves between |OP| mu^(l+1) and |OP| mu^l
@@ -17,7 +17,6 @@
 // and s across it. With bend 0 it is the tangent, and the columns of a level camera are pixel
 // columns; with 0.28 it is within 1 % of the angle up to 45 degrees, and a wide view counts from the
 // nearest of four axes.
-
 //
 // With RADIAL_STEP a look-up takes the row at or before its place and walks the cells of the rest, so
 // that rows add no error: what is left is the interpolation between azimuths.
@@ -67,6 +66,11 @@ struct RadialPlace {
     float r;  // horizontal length of the ray, m
     float u;  // texture u of its azimuth
     float v;  // what a level adds to texture v
+#if FOG_PROFILE == FOG_EXPONENTIAL
+    int column;     // the columns that its azimuth lies between: this and the next
+    float blend;    // part of the next
+    int first_row;  // of the level
+#endif
 #ifdef RADIAL_STEP
     vec2 slope;  // finest cells a metre
     int finest;  // level of the table
@@ -138,73 +142,7 @@ vec3 radial_integrals(RadialPlace place, float t) {
 }
 
 #if FOG_PROFILE == FOG_EXPONENTIAL
-// exp(-x) as a quadratic spline with knots every RADIAL_KNOT and without kinks: in piece i, one
-// quadratic of x - i RADIAL_KNOT times exp(-i RADIAL_KNOT). It is within 0.28 % of exp(-x). (Cubic
-// pieces may be 1.25 long, but seen from 20 scale heights above they multiply the table's error by
-// 3.)
-#define RADIAL_KNOT 0.7f
-#define RADIAL_PIECE vec3(0.999197853f, -0.960302062f, 0.345307265f)
-// A ray counts up to this height over its lowest point, where the profile is down to 9e-4 of its
-// value there.
-#define RADIAL_TOP 7.0f
-
-// The spline's piece i at x, and its derivatives.
-vec3 radial_profile(float x, float i) {
-    vec3 c = RADIAL_PIECE;
-    float y = x - RADIAL_KNOT * i;
-    return exp(-RADIAL_KNOT * i) * vec3(c.x + y * (c.y + y * c.z), c.y + 2.0f * y * c.z, 2.0f * c.z);
-}
-
-// Integral of density times profile over t in [0, end]. Integrated by parts twice, what is left is A_3
-// at the knots, times the jumps of the second derivative.
-float radial_exponential(RadialPlace place, float eta, float rise, float end) {
-#ifndef FOG_REPEAT
-    // Behind the last row there is no fog.
-    end = min((radial.radius.x + radial.radius.y) / place.r, end);
-#endif
-    float top = eta + rise * end;
-    float low = max(min(eta, top), 0.0f);  // eta of the lowest point above the base
-    float base = rise == 0.0f ? (eta < 0.0f ? end : 0.0f) : clamp(-eta / rise, 0.0f, end);
-    // The ray is above the base from its lowest point `foot` on (rising) or up to it (falling).
-    bool rising = rise >= 0.0f;
-    float foot = rising || top < 0.0f ? base : end;
-    float steep = abs(rise);
-    float reach = min(rising ? end - foot : foot, RADIAL_TOP / max(steep, 1.0e-20f));
-    float head = rising ? foot + reach : foot - reach;
-    float extent = steep * reach;
-    float pieces = max(ceil(extent * (1.0f / RADIAL_KNOT)) - 1.0f, 0.0f);
-
-    vec3 at_foot = radial_integrals(place, foot);
-    vec3 at_head = radial_integrals(place, head);
-    vec3 powers = vec3(1.0f, -rise, rise * rise);
-    vec3 c = RADIAL_PIECE;
-    float width = RADIAL_KNOT;
-    float at = RADIAL_KNOT;
-    float kick = rise * rise * 2.0f * c.z * (exp(RADIAL_KNOT) - 1.0f) * exp(-RADIAL_KNOT);
-    float sum = dot(powers * radial_profile(extent, pieces), at_head) -
-                dot(powers * radial_profile(0.0f, 0.0f), at_foot);
-    // Seen from afar the integrals from the eye cancel: beyond eight times the profile's reach a ray sums
-    // pieces from A_1 alone, which is the lesser error.
-    bool afar = max(foot, head) > 8.0f * reach;
-    if (afar) {
-        // Integral of A_1' exp(-x) = exp(-extent) A_1(head) + the sum over pieces of exp(-x) A_1 at
-        // their centroids, of A_1 from the foot on: exact where A_1 is linear along a piece.
-        pieces += 1.0f;
-        width = extent / pieces;
-        float w2 = width * width;
-        at = width * (1.0f / 2.0f) - w2 * (1.0f / 12.0f) + w2 * w2 * (1.0f / 720.0f);
-        kick = 1.0f - exp(-width);
-        sum = exp(-extent) * (at_head.x - at_foot.x);
-    }
-    float per_height = 1.0f / (rise == 0.0f ? 1.0f : rise);
-    for (float i = 0.0f; i < pieces; i += 1.0f) {
-        vec3 here = radial_integrals(place, foot + (at + i * width) * per_height);
-        sum += kick * exp(-width * i) * (afar ? here.x - at_foot.x : here.z);
-    }
-    // Below the base the profile is 1.
-    float below = rising ? at_foot.x : radial_integrals(place, end).x - at_foot.x;
-    return (rising ? sum : -sum) * exp(-low) + below;
-}
+#include "fog_radial_profile.glsl"
 #endif
 
 // Integral of density times profile over t in [0, end].
@@ -233,6 +171,12 @@ float fog_radial(FogRay ray) {
     place.u = clamp(radial.azimuth.z + radial.azimuth.w * radial_coordinate(offset), radial.edge.x,
                     radial.edge.y);
     place.v = 0.0f;
+#if FOG_PROFILE == FOG_EXPONENTIAL
+    float column = max(place.u / (2.0f * radial.edge.x) - 0.5f, 0.0f);
+    place.column = int(column);
+    place.blend = column - floor(column);
+    place.first_row = 0;
+#endif
 #ifdef RADIAL_STEP
     place.slope = ray.slope / place.r;
     place.finest = radial.size.w;
@@ -242,6 +186,9 @@ float fog_radial(FogRay ray) {
     float sum = 0.0f;
     for (int l = 0; l <= fog.base.z; ++l) {
         place.v = radial.edge.z * float(l);
+#if FOG_PROFILE == FOG_EXPONENTIAL
+        place.first_row = radial.size.z * l;
+#endif
 #ifdef RADIAL_STEP
         place.finest = l;
 #endif

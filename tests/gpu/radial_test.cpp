@@ -63,7 +63,7 @@ TEST_CASE("radial on the CPU: with the exact last step 24 rows leave the azimuth
                 fog.profile = profile;
                 const Reference reference(fog);
                 // 8192 azimuths a turn: what is left of their error is below 5e-4 (measured 1e-4),
-                // and the exponential profile's own 0.28 %.
+                // and the parabolas' of the exponential profile.
                 const bool exponential = profile.kind == Profile::Kind::exponential;
                 const double limit = exponential ? 1.0 / 510 : 5e-4;
                 Method few{.kind = MethodKind::radial, .radial = {8192, 24}};
@@ -133,7 +133,6 @@ TEST_CASE("radial on the CPU: a constant map has the exponential profile's error
     fog.profile = {.kind = Profile::Kind::exponential, .base = 1, .scale = 4};
     const Reference reference(fog);
     const ShaderOnCpu shader = radial_of(fog);
-    // From 600 m, 150 scale heights, integrals from the eye cancel.
     for (const double height : {-3.0, 2.0, 30.0, 90.0, 600.0}) {
         const Eigen::Vector3d o(3.3, height, 5.2);
         for (int i = 0; i < 300; ++i) {
@@ -142,8 +141,10 @@ TEST_CASE("radial on the CPU: a constant map has the exponential profile's error
             const double truth = reference.optical_depth(o, p);
             CAPTURE(height);
             CAPTURE(p.transpose());
-            // 0.28 % of the spline, 0.1 % of what lies more than 7 scale heights up; and float32.
-            CHECK_LE(std::abs(shader.optical_depth(o, p) - truth), 0.004 * truth + 2e-5);
+            // 5e-5 of what lies more than 10 scale heights up, and float32. From 600 m, 150 scale
+            // heights, a row is 3 of them and 115 rows from the eye: its centre of mass is noisy.
+            const double relative = height < 600 ? 1e-3 : 1e-2;
+            CHECK_LE(std::abs(shader.optical_depth(o, p) - truth), relative * truth + 2e-5);
         }
     }
 }
