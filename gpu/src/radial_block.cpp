@@ -34,6 +34,7 @@ constexpr Density kWithStep = {24, 1};
 // 1.5e-2 with one a pixel on the valley seen from above, 3e-3 with four.
 constexpr double kInPixel = 4;
 constexpr double kFinerOutside = 4;
+constexpr double kFullTurn = 6;  // columns a cell
 constexpr int kLeastColumns = 256, kLeastRows = 64;
 constexpr std::size_t kLargestTable = 16 << 20;  // bytes
 // Rows lie by sqrt(L + r0), r0 this part of the whole length: 4 times finer at the eye than far
@@ -240,15 +241,16 @@ RadialShape radial_shape(const FogFacts& fog, const Method& method, int sharing,
             break;
         case Profile::Kind::exponential:
             shape.channels = 4;
-            if (method.radial_step) {
-                shape.columns = 4096;
-                shape.rows = 256;
-            }
             break;
     }
     const bool layered = method.mu > 0 && method.mu < 1 && finest > 0;
     shape.layers = layered ? finest + 1 : 1;
     shape.step = method.radial_step;
+    if (shape.step) {
+        // Longer last steps cost what finer azimuths then gain.
+        shape.columns = 4096;
+        shape.rows = 256;
+    }
     shape.finest = method.mu == 1 ? finest : 0;
     if (method.radial[0] > 0) {
         shape.columns = method.radial[0];
@@ -285,7 +287,9 @@ shader::RadialBlock radial_block(const FogFacts& fog, const Eigen::Vector3d& eye
                               : fog.profile.kind == Profile::Kind::uniform ? kUniform
                                                                            : kInLayers;
     const double least = shape.step && shape.channels == 4 && !tangents ? pixel / kInPixel : pixel;
-    double step = std::max(cell / (per_cell.columns * std::max(extent.farthest, cell)), least);
+    // A full turn of azimuths is dear.
+    const double per_cell_far = shape.step && view.full ? kFullTurn : per_cell.columns;
+    double step = std::max(cell / (per_cell_far * std::max(extent.farthest, cell)), least);
     // Seen from outside, rays graze the map's edges.
     if (extent.nearest > 0) step /= kFinerOutside;
     int columns = shape.columns;
