@@ -1,4 +1,4 @@
-// Any map and promise: the bytes keep it, twice the same.
+// Any map and promise: the bytes keep it, and are the same when made again.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -7,45 +7,78 @@
 
 #include "wavefog/fogmap/wfog.h"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    using namespace wavefog;
-    if (size < 8) return 0;
-    const int width = 1 + data[0] % 200, kind = data[1] % 3;
-    const std::uint8_t* const pixels = data + 4;
-    const std::size_t each = kind == 2 ? sizeof(float) : 1;
-    const int height = std::min(200, static_cast<int>((size - 4) / each) / width);
-    if (height < 1) return 0;
-    Grid<float> map(height, width);
-    for (Eigen::Index i = 0; i < map.size(); ++i) {
+namespace {
+
+using namespace wavefog;
+
+/// The first bytes of an input; pixels follow.
+struct Choices {
+    std::uint8_t width, height;
+    std::uint8_t kind;  ///< bits 0-1 of pixels, 2 best, 3-4 promise, 5 repeat, 6 wide, 7 scaling
+    std::uint8_t error;
+};
+
+/// Repeats the pixels, each time changed, so that a short input can be a large map.
+Grid<float> make_map(const Choices& choices, const std::uint8_t* pixels, std::size_t count) {
+    const int width = 1 + choices.width % 160, height = 1 + choices.height % 160;
+    const bool wide = (choices.kind & 64) != 0;  // more than one tile
+    Grid<float> map(wide ? 1 + height / 8 : height, wide ? width * 4 : width);
+    const int kind = choices.kind & 3;
+    const std::size_t each = kind == 2 ? sizeof(float) : 1, pattern = count / each;
+    for (std::size_t i = 0; i < std::size_t(map.size()); ++i) {
+        const std::uint8_t* at = pixels + i % pattern * each;
+        const auto byte = std::uint8_t(*at + i / pattern * choices.error);
+        float value = float(byte) / (kind == 0 ? 255.0f : kind == 1 ? 7.0f : 65535.0f);
         if (kind == 2) {
-            float value;
-            std::memcpy(&value, pixels + std::size_t(i) * each, each);
-            map.data()[i] = std::isfinite(value) && std::fabs(value) < 1e30f ? std::fabs(value) : 0;
-        } else {
-            map.data()[i] = float(pixels[i]) / (kind == 0 ? 255.0f : 7.0f);
+            std::memcpy(&value, at, each);
+            value = std::isfinite(value) && std::fabs(value) < 1e30f ? std::fabs(value) : 0;
         }
+        map.data()[i] = value;
     }
-    const auto fog = make_fog(map, {.degree = 1, .levels = 2});
+    return map;
+}
+
+void require(bool fact) {
+    if (!fact) std::abort();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    if (size < sizeof(Choices) + sizeof(float)) return 0;
+    Choices choices;
+    std::memcpy(&choices, data, sizeof choices);
+    const Grid<float> map = make_map(choices, data + sizeof choices, size - sizeof choices);
+    FogOptions fog_options{.degree = 1, .levels = 2};
+    if (choices.kind & 32) fog_options.boundary = Boundary::repeat;
+    if (choices.kind & 128) fog_options.form = Form::scaling;
+    const auto fog = make_fog(map, fog_options);
     if (!fog) return 0;
+
+    using Promise = WfogOptions::Promise;
     WfogOptions options;
     options.threads = 1;
-    options.best = (data[2] & 1) != 0;
-    if (data[2] & 2) {
-        options.promise = WfogOptions::Promise::max_error;
-        options.error = (1 + data[3]) / 512.0;
-    }
+    options.best = (choices.kind & 4) != 0;
+    options.promise = static_cast<Promise>(choices.kind >> 3 & 3);
+    options.error = (1 + choices.error) / 512.0;
+    options.path = 1 + choices.error;
+    options.bytes = 64 + std::size_t(choices.error) * 16;
     const auto file = encode_wfog(*fog, options, &map);
-    if (!file) std::abort();
-    if (encode_wfog(*fog, options, &map)->bytes != file->bytes) std::abort();
+    // Only a size can be impossible.
+    require(file || options.promise == Promise::bytes);
+    if (!file) return 0;
+    require(encode_wfog(*fog, options, &map)->bytes == file->bytes);
     const auto back = decode_wfog(file->bytes);
-    if (!back) std::abort();
+    require(back && back->map.minCoeff() >= 0);
+    if (options.promise == Promise::bytes) require(file->bytes.size() <= options.bytes);
     const double allowed =
         options.error * file->report.full_scale + double(map.maxCoeff()) * 0x1p-23;
     for (Eigen::Index i = 0; i < map.size(); ++i) {
         const float a = map.data()[i], b = back->map.data()[i];
-        if (options.error == 0 ? std::bit_cast<std::uint32_t>(a) != std::bit_cast<std::uint32_t>(b)
-                               : std::fabs(double(a) - double(b)) > allowed || b < 0)
-            std::abort();
+        if (options.promise == Promise::lossless)
+            require(std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b));
+        if (options.promise == Promise::max_error)
+            require(std::fabs(double(a) - double(b)) <= allowed);
     }
     return 0;
 }

@@ -29,7 +29,7 @@ Scheme scheme_of(const Decomposition<T>& decomposition) {
 }
 
 template <class T>
-std::vector<Rect> level_rects(const Scheme& scheme, const Decomposition<T>& decomposition) {
+std::vector<IndexRect> level_rects(const Scheme& scheme, const Decomposition<T>& decomposition) {
     return scheme.level_rects(decomposition.width, decomposition.height, decomposition.levels());
 }
 
@@ -44,7 +44,7 @@ void decompose_filtering(const Scheme& scheme, const Grid<T>& map, Decomposition
         if (out.form == Form::wavelet) {
             coarse = scheme.split(fine, exact);
         } else {
-            const Rect rect = rect_of(fine), target = scheme.synthesised(rect);
+            const IndexRect rect = rect_of(fine), target = scheme.synthesised(rect);
             coarse = scheme.restrict_band(fine);
             exact.residual = cropped(fine, target);
             exact.residual.values -= scheme.prolong(coarse, rect, target).values;
@@ -65,20 +65,20 @@ bool uses_lifting(const Decomposition<T>& decomposition) {
 // from elsewhere) is cropped or filled with zeros into `storage`, as filtering does by itself.
 template <class T>
 const Decomposition<T>& fitted(const Decomposition<T>& given, const Scheme& scheme,
-                               const std::vector<Rect>& rects, Decomposition<T>& storage) {
+                               const std::vector<IndexRect>& rects, Decomposition<T>& storage) {
     bool fits = rect_of(given.approximation) == rects[0];
     const auto for_each_band = [&](std::size_t l, auto& detail, const auto& act) {
-        const Rect& fine = rects[l + 1];
+        const IndexRect& fine = rects[l + 1];
         const Range phi_x = scheme.coarse(Part::low, fine.x);
         const Range phi_z = scheme.coarse(Part::low, fine.z);
         const Range psi_x = scheme.coarse(Part::high, fine.x);
         const Range psi_z = scheme.coarse(Part::high, fine.z);
-        act(detail.phi_psi, Rect{phi_x, psi_z});
-        act(detail.psi_phi, Rect{psi_x, phi_z});
-        act(detail.psi_psi, Rect{psi_x, psi_z});
+        act(detail.phi_psi, IndexRect{phi_x, psi_z});
+        act(detail.psi_phi, IndexRect{psi_x, phi_z});
+        act(detail.psi_psi, IndexRect{psi_x, psi_z});
     };
     for (std::size_t l = 0; l < given.details.size(); ++l)
-        for_each_band(l, given.details[l], [&](const Band<T>& band, const Rect& rect) {
+        for_each_band(l, given.details[l], [&](const Band<T>& band, const IndexRect& rect) {
             fits = fits && rect_of(band) == rect;
         });
     if (fits) return given;
@@ -86,12 +86,12 @@ const Decomposition<T>& fitted(const Decomposition<T>& given, const Scheme& sche
     storage.approximation = cropped(given.approximation, rects[0]);
     for (std::size_t l = 0; l < storage.details.size(); ++l)
         for_each_band(l, storage.details[l],
-                      [](Band<T>& band, const Rect& rect) { band = cropped(band, rect); });
+                      [](Band<T>& band, const IndexRect& rect) { band = cropped(band, rect); });
     return storage;
 }
 
 Band<double> merge_filtering(Form form, const Scheme& scheme, const Band<double>& coarse,
-                             const Detail<double>& detail, const Rect& rect) {
+                             const Detail<double>& detail, const IndexRect& rect) {
     if (form == Form::wavelet) return scheme.merge(coarse, detail, rect, rect);
     Band<double> out = scheme.prolong(coarse, rect, rect);
     out.values += cropped(detail.residual, rect).values;
@@ -102,7 +102,7 @@ Band<double> merge_filtering(Form form, const Scheme& scheme, const Band<double>
 // True coefficients are 0 outside their level's rectangle, so cropping there loses nothing.
 template <class T, class Visit>
 void filter_up(const Scheme& scheme, const Decomposition<T>& decomposition,
-               const std::vector<Rect>& rects, const Visit& visit) {
+               const std::vector<IndexRect>& rects, const Visit& visit) {
     Band<double> level = cast<double>(cropped(decomposition.approximation, rects[0]));
     visit(0, level);
     for (std::size_t l = 1; l < rects.size(); ++l) {
@@ -170,7 +170,7 @@ Pyramid<T> approximations(const Decomposition<T>& decomposition) {
                        decomposition.height,
                        {}};
     const Scheme scheme = scheme_of(decomposition);
-    const std::vector<Rect> rects = level_rects(scheme, decomposition);
+    const std::vector<IndexRect> rects = level_rects(scheme, decomposition);
     if (!uses_lifting(decomposition)) {
         filter_up(scheme, decomposition, rects, [&](int, const Band<double>& level) {
             pyramid.levels.push_back(cast<T>(level));
@@ -194,7 +194,7 @@ Pyramid<T> approximations(const Decomposition<T>& decomposition) {
 template <class T>
 void reconstruct_into(const Decomposition<T>& decomposition, Grid<T>& out) {
     const Scheme scheme = scheme_of(decomposition);
-    const std::vector<Rect> rects = level_rects(scheme, decomposition);
+    const std::vector<IndexRect> rects = level_rects(scheme, decomposition);
     if (uses_lifting(decomposition)) {
         Decomposition<T> storage;
         const Decomposition<T>& from = fitted(decomposition, scheme, rects, storage);
@@ -217,7 +217,7 @@ template <class T>
 Decomposition<T> to_scaling_form(const Decomposition<T>& decomposition) {
     if (decomposition.form == Form::scaling) return decomposition;
     const Scheme scheme = scheme_of(decomposition);
-    const std::vector<Rect> rects = level_rects(scheme, decomposition);
+    const std::vector<IndexRect> rects = level_rects(scheme, decomposition);
     Decomposition<T> out = decomposition;
     out.form = Form::scaling;
     for (std::size_t l = 1; l < rects.size(); ++l) {

@@ -132,7 +132,7 @@ void synthesise_step(int n, const T* __restrict a, const T* __restrict b,
 template <class T>
 class LinearAnalyser {
   public:
-    LinearAnalyser(const Rect& rect, Detail<T>& detail, LinearAnalyser* next, Band<T>* coarse)
+    LinearAnalyser(const IndexRect& rect, Detail<T>& detail, LinearAnalyser* next, Band<T>* coarse)
         : x_(rect.x),
           z_(rect.z),
           row_index_(rect.z.first),
@@ -211,7 +211,7 @@ class LinearAnalyser {
 template <class T>
 class LinearSynthesiser {
   public:
-    LinearSynthesiser(const Rect& rect, const Detail<T>& detail, LinearSynthesiser* coarser,
+    LinearSynthesiser(const IndexRect& rect, const Detail<T>& detail, LinearSynthesiser* coarser,
                       const Band<T>* coarse)
         : x_(rect.x),
           z_(rect.z),
@@ -273,7 +273,7 @@ class LinearSynthesiser {
 template <class T>
 class HaarAnalyser {
   public:
-    HaarAnalyser(const Rect& rect, Detail<T>& detail, HaarAnalyser* next, Band<T>* coarse)
+    HaarAnalyser(const IndexRect& rect, Detail<T>& detail, HaarAnalyser* next, Band<T>* coarse)
         : width_(rect.x.size()),
           detail_(detail),
           next_(next),
@@ -339,7 +339,7 @@ class HaarAnalyser {
 template <class T>
 class HaarSynthesiser {
   public:
-    HaarSynthesiser(const Rect& rect, const Detail<T>& detail, HaarSynthesiser* coarser,
+    HaarSynthesiser(const IndexRect& rect, const Detail<T>& detail, HaarSynthesiser* coarser,
                     const Band<T>* coarse)
         : width_(rect.x.size()), detail_(detail), coarser_(coarser), coarse_(coarse) {
         for (std::vector<T>& row : rows_) row.resize(static_cast<std::size_t>(width_));
@@ -388,20 +388,20 @@ class HaarSynthesiser {
 };
 
 // Rectangles of the approximations, coarsest first; the last is `rect`.
-std::vector<Rect> chain(int degree, const Rect& rect, std::size_t levels) {
+std::vector<IndexRect> chain(int degree, const IndexRect& rect, std::size_t levels) {
     const auto coarser = [&](Range fine) {
         return degree == 0 ? HaarAnalyser<float>::halved(fine) : Span(fine).low();
     };
-    std::vector<Rect> rects(levels + 1, rect);
+    std::vector<IndexRect> rects(levels + 1, rect);
     for (std::size_t l = levels; l > 0; --l)
         rects[l - 1] = {coarser(rects[l].x), coarser(rects[l].z)};
     return rects;
 }
 
 template <class Analyser, class T>
-void split(int degree, const Grid<T>& fine, const Rect& rect, std::span<Detail<T>> details,
+void split(int degree, const Grid<T>& fine, const IndexRect& rect, std::span<Detail<T>> details,
            Band<T>& coarse) {
-    const std::vector<Rect> rects = chain(degree, rect, details.size());
+    const std::vector<IndexRect> rects = chain(degree, rect, details.size());
     std::vector<Analyser> levels;
     levels.reserve(details.size());  // they point at each other
     for (std::size_t l = 0; l < details.size(); ++l)
@@ -412,9 +412,9 @@ void split(int degree, const Grid<T>& fine, const Rect& rect, std::span<Detail<T
 }
 
 template <class Synthesiser, class T, class Rows>
-void merge(int degree, const Band<T>& coarse, std::span<const Detail<T>> details, const Rect& rect,
+void merge(int degree, const Band<T>& coarse, std::span<const Detail<T>> details, const IndexRect& rect,
            Grid<T>& fine, const Rows& rows) {
-    const std::vector<Rect> rects = chain(degree, rect, details.size());
+    const std::vector<IndexRect> rects = chain(degree, rect, details.size());
     std::vector<Synthesiser> levels;
     levels.reserve(details.size());
     for (std::size_t l = 0; l < details.size(); ++l)
@@ -433,7 +433,7 @@ bool has_lifting(const Family& family, Boundary boundary) {
 }
 
 template <class T>
-void lifting_split(int degree, const Grid<T>& fine, const Rect& rect, std::span<Detail<T>> details,
+void lifting_split(int degree, const Grid<T>& fine, const IndexRect& rect, std::span<Detail<T>> details,
                    Band<T>& coarse) {
     if (degree == 0)
         split<HaarAnalyser<T>>(degree, fine, rect, details, coarse);
@@ -443,7 +443,7 @@ void lifting_split(int degree, const Grid<T>& fine, const Rect& rect, std::span<
 
 template <class T>
 void lifting_merge(int degree, const Band<T>& coarse, std::span<const Detail<T>> details,
-                   const Rect& rect, Grid<T>& fine) {
+                   const IndexRect& rect, Grid<T>& fine) {
     if (degree == 0)
         merge<HaarSynthesiser<T>>(degree, coarse, details, rect, fine, [&](auto& finest) {
             for (Eigen::Index j = 0; j < fine.rows(); j += 2)
@@ -457,8 +457,8 @@ void lifting_merge(int degree, const Band<T>& coarse, std::span<const Detail<T>>
 }
 
 #define WAVEFOG_INSTANTIATE(T)                                                                     \
-    template void lifting_split(int, const Grid<T>&, const Rect&, std::span<Detail<T>>, Band<T>&); \
-    template void lifting_merge(int, const Band<T>&, std::span<const Detail<T>>, const Rect&,      \
+    template void lifting_split(int, const Grid<T>&, const IndexRect&, std::span<Detail<T>>, Band<T>&); \
+    template void lifting_merge(int, const Band<T>&, std::span<const Detail<T>>, const IndexRect&,      \
                                 Grid<T>&);
 WAVEFOG_INSTANTIATE(float)
 WAVEFOG_INSTANTIATE(double)

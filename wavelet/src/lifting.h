@@ -16,13 +16,13 @@ bool has_lifting(const Family& family, Boundary boundary);
 /// rect.z.first); even ones for 1,1. `details` (coarse to fine, one entry or more) and `coarse`
 /// keep their storage where the sizes already fit.
 template <class T>
-void lifting_split(int degree, const Grid<T>& fine, const Rect& rect, std::span<Detail<T>> details,
+void lifting_split(int degree, const Grid<T>& fine, const IndexRect& rect, std::span<Detail<T>> details,
                    Band<T>& coarse);
 
 /// The inverse of lifting_split: fine coefficients on `rect`. Bands must have the sizes and starts
 /// that lifting_split gives them.
 template <class T>
 void lifting_merge(int degree, const Band<T>& coarse, std::span<const Detail<T>> details,
-                   const Rect& rect, Grid<T>& fine);
+                   const IndexRect& rect, Grid<T>& fine);
 
 }  // namespace wavefog

@@ -42,14 +42,14 @@ PackedLevel describe(const Decomposition<float>& decomposition, int level) {
     PackedLevel out;
     out.level = level;
     const auto bands = channel_bands(decomposition, level);
-    Rect rect;
+    IndexRect rect;
     for (std::size_t c = 0; c < 4; ++c) {
         if (!bands[c]) continue;
         const Band<float>& band = *bands[c];
         out.channels[c] = {band.start_x, band.start_z, band.width(), band.height()};
         if (band.values.size() == 0) continue;
-        const Rect own = rect_of(band);
-        rect = rect.x.size() > 0 ? Rect{hull(rect.x, own.x), hull(rect.z, own.z)} : own;
+        const IndexRect own = rect_of(band);
+        rect = rect.x.size() > 0 ? IndexRect{hull(rect.x, own.x), hull(rect.z, own.z)} : own;
     }
     out.width = rect.x.size();
     out.height = rect.z.size();

@@ -48,13 +48,13 @@ Band<float> to_float(const Band<double>& band) {
 Decomposition<float> closed_loop(const Decomposition<float>& exact) {
     const Result<Scheme> scheme = Scheme::make(exact.family, exact.boundary);
     assert(scheme.has_value());
-    const std::vector<Rect> rects = scheme->level_rects(exact.width, exact.height, exact.levels());
+    const std::vector<IndexRect> rects = scheme->level_rects(exact.width, exact.height, exact.levels());
     Decomposition<float> out = exact;
     Band<double> truth = to_double(exact.approximation);
     Band<double> rounded = rounded_up(truth);
     out.approximation = to_float(rounded);
     for (std::size_t l = 1; l < rects.size(); ++l) {
-        const Rect target = scheme->synthesised(rects[l]);
+        const IndexRect target = scheme->synthesised(rects[l]);
         const Band<double> residual = cropped(to_double(exact.details[l - 1].residual), target);
         truth = scheme->prolong(truth, rects[l], target);
         truth.values += residual.values;

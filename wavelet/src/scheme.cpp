@@ -34,8 +34,8 @@ Range Scheme::synthesised(Range fine) const {
     return hull(fine, synthesised_range(filters_.p, coarse(Part::low, fine)));
 }
 
-std::vector<Rect> Scheme::level_rects(int width, int height, int levels) const {
-    std::vector<Rect> rects(static_cast<std::size_t>(levels) + 1);
+std::vector<IndexRect> Scheme::level_rects(int width, int height, int levels) const {
+    std::vector<IndexRect> rects(static_cast<std::size_t>(levels) + 1);
     rects.back() = {{0, width - 1}, {0, height - 1}};
     for (std::size_t l = rects.size() - 1; l > 0; --l) rects[l - 1] = coarse(rects[l]);
     return rects;
@@ -66,13 +66,13 @@ void Scheme::synthesise_into(Axis axis, Part part, const Grid<double>& in, Range
 }
 
 Band<double> Scheme::restrict_band(const Band<double>& fine) const {
-    const Rect from = rect_of(fine), to = coarse(from);
+    const IndexRect from = rect_of(fine), to = coarse(from);
     return {analyse(Axis::z, Part::low, analyse(Axis::x, Part::low, fine.values, from.x), from.z),
             to.x.first, to.z.first};
 }
 
-Band<double> Scheme::prolong(const Band<double>& band, const Rect& fine, const Rect& target) const {
-    const Rect from = coarse(fine);
+Band<double> Scheme::prolong(const Band<double>& band, const IndexRect& fine, const IndexRect& target) const {
+    const IndexRect from = coarse(fine);
     Grid<double> rows = Grid<double>::Zero(target.z.size(), from.x.size());
     synthesise_into(Axis::z, Part::low, cropped(band, from).values, fine.z, target.z, rows);
     Band<double> out{Grid<double>::Zero(target.z.size(), target.x.size()), target.x.first,
@@ -82,7 +82,7 @@ Band<double> Scheme::prolong(const Band<double>& band, const Rect& fine, const R
 }
 
 Band<double> Scheme::split(const Band<double>& fine, Detail<double>& detail) const {
-    const Rect from = rect_of(fine);
+    const IndexRect from = rect_of(fine);
     const Grid<double> low = analyse(Axis::x, Part::low, fine.values, from.x);
     const Grid<double> high = analyse(Axis::x, Part::high, fine.values, from.x);
     const Range phi_x = coarse(Part::low, from.x), psi_x = coarse(Part::high, from.x);
@@ -93,8 +93,8 @@ Band<double> Scheme::split(const Band<double>& fine, Detail<double>& detail) con
     return {analyse(Axis::z, Part::low, low, from.z), phi_x.first, phi_z.first};
 }
 
-Band<double> Scheme::merge(const Band<double>& band, const Detail<double>& detail, const Rect& fine,
-                           const Rect& target) const {
+Band<double> Scheme::merge(const Band<double>& band, const Detail<double>& detail, const IndexRect& fine,
+                           const IndexRect& target) const {
     const Range phi_x = coarse(Part::low, fine.x), psi_x = coarse(Part::high, fine.x);
     const Range phi_z = coarse(Part::low, fine.z), psi_z = coarse(Part::high, fine.z);
     Grid<double> low = Grid<double>::Zero(target.z.size(), phi_x.size());

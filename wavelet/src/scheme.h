@@ -21,14 +21,14 @@ class Scheme {
 
     /// Indices of the coarser level's coefficients for fine coefficients on `fine`.
     Range coarse(Part part, Range fine) const;
-    Rect coarse(const Rect& fine) const {
+    IndexRect coarse(const IndexRect& fine) const {
         return {coarse(Part::low, fine.x), coarse(Part::low, fine.z)};
     }
     /// Where fine = P low + Q high can be nonzero.
     Range synthesised(Range fine) const;
-    Rect synthesised(const Rect& fine) const { return {synthesised(fine.x), synthesised(fine.z)}; }
+    IndexRect synthesised(const IndexRect& fine) const { return {synthesised(fine.x), synthesised(fine.z)}; }
     /// Rectangles of the approximations, result[l] for l = 0 (coarsest) .. levels.
-    std::vector<Rect> level_rects(int width, int height, int levels) const;
+    std::vector<IndexRect> level_rects(int width, int height, int levels) const;
 
     /// Coefficients of one part along one axis, of a grid that covers `fine` along it.
     Grid<double> analyse(Axis axis, Part part, const Grid<double>& in, Range fine) const;
@@ -39,12 +39,12 @@ class Scheme {
     /// The coarse approximation alone.
     Band<double> restrict_band(const Band<double>& fine) const;
     /// P a on `target`, for a the approximation of a level that covered `fine`.
-    Band<double> prolong(const Band<double>& coarse, const Rect& fine, const Rect& target) const;
+    Band<double> prolong(const Band<double>& coarse, const IndexRect& fine, const IndexRect& target) const;
     /// Approximation (returned) and three wavelet bands.
     Band<double> split(const Band<double>& fine, Detail<double>& detail) const;
     /// The inverse of split, on `target`.
-    Band<double> merge(const Band<double>& coarse, const Detail<double>& detail, const Rect& fine,
-                       const Rect& target) const;
+    Band<double> merge(const Band<double>& coarse, const Detail<double>& detail, const IndexRect& fine,
+                       const IndexRect& target) const;
 
   private:
     bool interval() const {

@@ -57,9 +57,8 @@ uint32_t clipped(int value, int most) {
 
 // Kinds of decisions (ContextMixer::kNodes of them).
 constexpr int kIsZero = 0, kSign = 1, kUnary = 2, kMostUnary = 18, kBucket = 20, kMostBuckets = 12,
-              kLowBits = 32, kRestOfBits = 39, kIsLow = 39;
+              kLowBits = 32, kIsLow = 39;
 constexpr int kCandidates = 4096;  // contexts by value
-constexpr int kTopClass = 11;
 
 /// Model and coder of one tile; the same code encodes and decodes, so both always agree.
 template <class Coder>
