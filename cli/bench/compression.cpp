@@ -98,9 +98,9 @@ std::vector<CodecMap> made_up_maps() {
     return maps;
 }
 
-void compare(const Grid<float>& original, const Grid<float>& decoded, double full_scale,
-             CodecRun& run) {
-    const auto difference = (original.cast<double>() - decoded.cast<double>()) / full_scale;
+void compare(const CodecMap& map, CodecRun& run) {
+    const auto difference =
+        (map.densities.cast<double>() - run.densities.cast<double>()) / map.full_scale;
     run.max_error = difference.abs().maxCoeff() * 255;
     const double mean = difference.square().mean();
     if (mean > 0) run.psnr = -10 * std::log10(mean);
@@ -108,8 +108,7 @@ void compare(const Grid<float>& original, const Grid<float>& decoded, double ful
 
 /// The file and the way back to densities, on one thread. The encoder's time includes that it
 /// decodes and checks its own bytes.
-Result<CodecRun> run_ours(const CodecMap& map, const Fog& fog, double error, bool best,
-                          double* full_scale) {
+Result<CodecRun> run_ours(CodecMap& map, const Fog& fog, double error, bool best) {
     WfogOptions options;
     options.best = best;
     options.threads = 1;
@@ -126,11 +125,12 @@ Result<CodecRun> run_ours(const CodecMap& map, const Fog& fog, double error, boo
     WfogLimits limits;
     limits.threads = 1;
     start = std::chrono::steady_clock::now();
-    const auto decoded = decode_wfog(encoded->bytes, limits);
+    auto decoded = decode_wfog(encoded->bytes, limits);
     if (!decoded) return tl::unexpected(decoded.error());
     run.decode_s = seconds_since(start);
-    *full_scale = encoded->report.full_scale;
-    compare(map.densities, decoded->map, *full_scale, run);
+    map.full_scale = encoded->report.full_scale;
+    run.densities = std::move(decoded->map);
+    compare(map, run);
     return run;
 }
 
@@ -211,19 +211,19 @@ Result<void> study_compression(const std::vector<fs::path>& pictures, Results& r
         for (const double error : errors) {
             show_progress_line(double(m) / double(maps.size()), seconds_since(start), map.name);
             for (const bool best : {false, true}) {
-                const Result<CodecRun> run = run_ours(map, *fog, error, best, &map.full_scale);
+                const Result<CodecRun> run = run_ours(map, *fog, error, best);
                 if (!run) return tl::unexpected(run.error());
                 results.compression.push_back(run_facts(map, ours[best ? 1 : 0], error, *run));
             }
             const std::optional<Prequantised> input = prequantise(map, error);
             if (!input) continue;
             for (const std::string& peer : peers) {
-                Result<CodecRun> run = run_peer(peer, *input, workplace.folder());
+                Result<CodecRun> run = run_peer(peer, map, error, *input, workplace.folder());
                 if (!run) {
                     results.skipped.push_back(map.name + ": " + run.error().message);
                     continue;
                 }
-                compare(map.densities, input->densities, map.full_scale, *run);
+                compare(map, *run);
                 results.compression.push_back(run_facts(map, peer, error, *run));
             }
         }

@@ -25,6 +25,7 @@ struct CodecRun {
     double encode_s = 0, decode_s = 0;
     std::optional<double> max_error;  ///< in 1/255 of full scale
     std::optional<double> psnr;       ///< dB of full scale; empty if nothing was lost
+    Grid<float> densities;            ///< as decoded
 };
 
 /// Indices of the values after prequantisation: steps of 2 E, integers 2 E + 1
@@ -38,10 +39,11 @@ struct Prequantised {
 std::optional<Prequantised> prequantise(const CodecMap& map, double error);
 
 /// Codecs of other projects that are installed, as they stand in the tables. They code the indices
-/// of prequantise() without loss.
+/// of prequantise() without loss; zfp codes the map itself, with a bound of its own, and a decoder
+/// rounds to whole steps of a picture of integers.
 std::vector<std::string> installed_peers();
-Result<CodecRun> run_peer(const std::string& peer, const Prequantised& input,
-                          const std::filesystem::path& folder);
+Result<CodecRun> run_peer(const std::string& peer, const CodecMap& map, double error,
+                          const Prequantised& input, const std::filesystem::path& folder);
 
 /// Measures every map (pictures by name, and three that are made up) with every codec at 0, 1, 2
 /// and 4/255. A peer that fails is told in Results::skipped.

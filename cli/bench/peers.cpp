@@ -1,4 +1,4 @@
-// Codecs of other projects, as programs, and JPEG-LS as a library.
+// Codecs of other projects, as programs, and JPEG-LS and zfp as libraries.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +10,11 @@
 #include "bench/compression.h"
 #ifdef WAVEFOG_HAS_CHARLS
 #include <charls/charls.h>
+#endif
+#ifdef WAVEFOG_HAS_ZFP
+#include <zfp.h>
+
+#include <memory>
 #endif
 
 namespace wavefog::cli {
@@ -34,6 +39,7 @@ constexpr Program programs[] = {
      "zstd -d -f -q p.zst -o out.pgm"},
 };
 constexpr const char* jpeg_ls = "JPEG-LS";
+constexpr const char* zfp_name = "zfp";
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -124,6 +130,52 @@ Result<CodecRun> run_jpeg_ls(const Prequantised& input) {
 }
 #endif
 
+/// Steps of the picture that a pixel may be off by.
+double allowed_steps(const CodecMap& map, double error) {
+    return std::floor(error / 255 * map.full_scale * map.steps + 1e-9);
+}
+
+#ifdef WAVEFOG_HAS_ZFP
+Result<CodecRun> run_zfp(const CodecMap& map, double error) {
+    const float steps = map.steps > 0 ? float(map.steps) : 1.0f;
+    Grid<float> values = map.densities * steps;
+    if (map.steps > 0) values = values.round();
+    // Half a step is free where the decoder rounds.
+    const double tolerance =
+        map.steps > 0 ? allowed_steps(map, error) + 0.4999 : error / 255 * map.full_scale;
+    const std::unique_ptr<zfp_stream, void (*)(zfp_stream*)> stream(zfp_stream_open(nullptr),
+                                                                    zfp_stream_close);
+    if (error > 0)
+        zfp_stream_set_accuracy(stream.get(), tolerance);
+    else
+        zfp_stream_set_reversible(stream.get());
+    const auto width = std::size_t(values.cols()), height = std::size_t(values.rows());
+    const auto field_of = [&](Grid<float>& grid) {
+        return std::unique_ptr<zfp_field, void (*)(zfp_field*)>(
+            zfp_field_2d(grid.data(), zfp_type_float, width, height), zfp_field_free);
+    };
+    CodecRun run;
+    auto start = std::chrono::steady_clock::now();
+    const auto field = field_of(values);
+    std::vector<std::uint8_t> packed(zfp_stream_maximum_size(stream.get(), field.get()));
+    const std::unique_ptr<bitstream, void (*)(bitstream*)> bits(
+        stream_open(packed.data(), packed.size()), stream_close);
+    zfp_stream_set_bit_stream(stream.get(), bits.get());
+    zfp_stream_rewind(stream.get());
+    run.bytes = zfp_compress(stream.get(), field.get());
+    run.encode_s = seconds_since(start);
+    start = std::chrono::steady_clock::now();
+    run.densities.resize(values.rows(), values.cols());
+    const auto back = field_of(run.densities);
+    zfp_stream_rewind(stream.get());
+    if (run.bytes == 0 || zfp_decompress(stream.get(), back.get()) == 0)
+        return data_error("zfp: does not give its input back");
+    run.decode_s = seconds_since(start);
+    if (map.steps > 0) run.densities = run.densities.round() / steps;
+    return run;
+}
+#endif
+
 }  // namespace
 
 std::optional<Prequantised> prequantise(const CodecMap& map, double error) {
@@ -131,9 +183,8 @@ std::optional<Prequantised> prequantise(const CodecMap& map, double error) {
     const double least = double(map.densities.minCoeff());
     // Integers: units of one step of the picture.
     const double unit = map.steps > 0 ? 1.0 / map.steps : 1;
-    const double width = map.steps > 0
-                             ? 2 * std::floor(error / 255 * map.full_scale * map.steps + 1e-9) + 1
-                             : 2 * error / 255 * map.full_scale;
+    const double width =
+        map.steps > 0 ? 2 * allowed_steps(map, error) + 1 : 2 * error / 255 * map.full_scale;
     const double origin = map.steps > 0 ? 0 : least;
     Prequantised result;
     result.indices.resize(map.densities.rows(), map.densities.cols());
@@ -156,17 +207,25 @@ std::vector<std::string> installed_peers() {
 #ifdef WAVEFOG_HAS_CHARLS
     names.emplace_back(jpeg_ls);
 #endif
+#ifdef WAVEFOG_HAS_ZFP
+    names.emplace_back(zfp_name);
+#endif
     return names;
 }
 
-Result<CodecRun> run_peer(const std::string& peer, const Prequantised& input,
-                          const fs::path& folder) {
+Result<CodecRun> run_peer(const std::string& peer, const CodecMap& map, double error,
+                          const Prequantised& input, const fs::path& folder) {
+#ifdef WAVEFOG_HAS_ZFP
+    if (peer == zfp_name) return run_zfp(map, error);
+#endif
+    Result<CodecRun> run = usage_error(fmt::format("there is no codec '{}'", peer));
 #ifdef WAVEFOG_HAS_CHARLS
-    if (peer == jpeg_ls) return run_jpeg_ls(input);
+    if (peer == jpeg_ls) run = run_jpeg_ls(input);
 #endif
     for (const Program& program : programs)
-        if (peer == program.name) return run_program(program, input, folder);
-    return usage_error(fmt::format("there is no codec '{}'", peer));
+        if (peer == program.name) run = run_program(program, input, folder);
+    if (run) run->densities = input.densities;
+    return run;
 }
 
 }  // namespace wavefog::cli

@@ -412,8 +412,8 @@ void split(int degree, const Grid<T>& fine, const IndexRect& rect, std::span<Det
 }
 
 template <class Synthesiser, class T, class Rows>
-void merge(int degree, const Band<T>& coarse, std::span<const Detail<T>> details, const IndexRect& rect,
-           Grid<T>& fine, const Rows& rows) {
+void merge(int degree, const Band<T>& coarse, std::span<const Detail<T>> details,
+           const IndexRect& rect, Grid<T>& fine, const Rows& rows) {
     const std::vector<IndexRect> rects = chain(degree, rect, details.size());
     std::vector<Synthesiser> levels;
     levels.reserve(details.size());
@@ -433,8 +433,8 @@ bool has_lifting(const Family& family, Boundary boundary) {
 }
 
 template <class T>
-void lifting_split(int degree, const Grid<T>& fine, const IndexRect& rect, std::span<Detail<T>> details,
-                   Band<T>& coarse) {
+void lifting_split(int degree, const Grid<T>& fine, const IndexRect& rect,
+                   std::span<Detail<T>> details, Band<T>& coarse) {
     if (degree == 0)
         split<HaarAnalyser<T>>(degree, fine, rect, details, coarse);
     else
@@ -457,8 +457,9 @@ void lifting_merge(int degree, const Band<T>& coarse, std::span<const Detail<T>>
 }
 
 #define WAVEFOG_INSTANTIATE(T)                                                                     \
-    template void lifting_split(int, const Grid<T>&, const IndexRect&, std::span<Detail<T>>, Band<T>&); \
-    template void lifting_merge(int, const Band<T>&, std::span<const Detail<T>>, const IndexRect&,      \
+    template void lifting_split(int, const Grid<T>&, const IndexRect&, std::span<Detail<T>>,       \
+                                Band<T>&);                                                         \
+    template void lifting_merge(int, const Band<T>&, std::span<const Detail<T>>, const IndexRect&, \
                                 Grid<T>&);
 WAVEFOG_INSTANTIATE(float)
 WAVEFOG_INSTANTIATE(double)

@@ -16,8 +16,8 @@ bool has_lifting(const Family& family, Boundary boundary);
 /// rect.z.first); even ones for 1,1. `details` (coarse to fine, one entry or more) and `coarse`
 /// keep their storage where the sizes already fit.
 template <class T>
-void lifting_split(int degree, const Grid<T>& fine, const IndexRect& rect, std::span<Detail<T>> details,
-                   Band<T>& coarse);
+void lifting_split(int degree, const Grid<T>& fine, const IndexRect& rect,
+                   std::span<Detail<T>> details, Band<T>& coarse);
 
 /// The inverse of lifting_split: fine coefficients on `rect`. Bands must have the sizes and starts
 /// that lifting_split gives them.

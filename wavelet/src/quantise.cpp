@@ -48,7 +48,8 @@ Band<float> to_float(const Band<double>& band) {
 Decomposition<float> closed_loop(const Decomposition<float>& exact) {
     const Result<Scheme> scheme = Scheme::make(exact.family, exact.boundary);
     assert(scheme.has_value());
-    const std::vector<IndexRect> rects = scheme->level_rects(exact.width, exact.height, exact.levels());
+    const std::vector<IndexRect> rects =
+        scheme->level_rects(exact.width, exact.height, exact.levels());
     Decomposition<float> out = exact;
     Band<double> truth = to_double(exact.approximation);
     Band<double> rounded = rounded_up(truth);

@@ -71,7 +71,8 @@ Band<double> Scheme::restrict_band(const Band<double>& fine) const {
             to.x.first, to.z.first};
 }
 
-Band<double> Scheme::prolong(const Band<double>& band, const IndexRect& fine, const IndexRect& target) const {
+Band<double> Scheme::prolong(const Band<double>& band, const IndexRect& fine,
+                             const IndexRect& target) const {
     const IndexRect from = coarse(fine);
     Grid<double> rows = Grid<double>::Zero(target.z.size(), from.x.size());
     synthesise_into(Axis::z, Part::low, cropped(band, from).values, fine.z, target.z, rows);
@@ -93,8 +94,8 @@ Band<double> Scheme::split(const Band<double>& fine, Detail<double>& detail) con
     return {analyse(Axis::z, Part::low, low, from.z), phi_x.first, phi_z.first};
 }
 
-Band<double> Scheme::merge(const Band<double>& band, const Detail<double>& detail, const IndexRect& fine,
-                           const IndexRect& target) const {
+Band<double> Scheme::merge(const Band<double>& band, const Detail<double>& detail,
+                           const IndexRect& fine, const IndexRect& target) const {
     const Range phi_x = coarse(Part::low, fine.x), psi_x = coarse(Part::high, fine.x);
     const Range phi_z = coarse(Part::low, fine.z), psi_z = coarse(Part::high, fine.z);
     Grid<double> low = Grid<double>::Zero(target.z.size(), phi_x.size());

@@ -26,7 +26,9 @@ class Scheme {
     }
     /// Where fine = P low + Q high can be nonzero.
     Range synthesised(Range fine) const;
-    IndexRect synthesised(const IndexRect& fine) const { return {synthesised(fine.x), synthesised(fine.z)}; }
+    IndexRect synthesised(const IndexRect& fine) const {
+        return {synthesised(fine.x), synthesised(fine.z)};
+    }
     /// Rectangles of the approximations, result[l] for l = 0 (coarsest) .. levels.
     std::vector<IndexRect> level_rects(int width, int height, int levels) const;
 
@@ -39,12 +41,13 @@ class Scheme {
     /// The coarse approximation alone.
     Band<double> restrict_band(const Band<double>& fine) const;
     /// P a on `target`, for a the approximation of a level that covered `fine`.
-    Band<double> prolong(const Band<double>& coarse, const IndexRect& fine, const IndexRect& target) const;
+    Band<double> prolong(const Band<double>& coarse, const IndexRect& fine,
+                         const IndexRect& target) const;
     /// Approximation (returned) and three wavelet bands.
     Band<double> split(const Band<double>& fine, Detail<double>& detail) const;
     /// The inverse of split, on `target`.
-    Band<double> merge(const Band<double>& coarse, const Detail<double>& detail, const IndexRect& fine,
-                       const IndexRect& target) const;
+    Band<double> merge(const Band<double>& coarse, const Detail<double>& detail,
+                       const IndexRect& fine, const IndexRect& target) const;
 
   private:
     bool interval() const {
