@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "bench/progress.h"
+#include "bench/ray_promise.h"
 #include "bench/stability.h"
 #include "bench/table_text.h"
 #include "wavefog/fogmap/image.h"
@@ -227,6 +228,7 @@ Result<void> study_compression(const std::vector<fs::path>& pictures, Results& r
                 results.compression.push_back(run_facts(map, peer, error, *run));
             }
         }
+        if (auto ok = measure_ray_promise(map, results.ray_promise); !ok) return ok;
     }
     clear_progress_line();
     return {};

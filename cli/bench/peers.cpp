@@ -33,7 +33,7 @@ constexpr Program programs[] = {
      "djxl p.jxl out.pgm --num_threads=0"},
     {"JPEG 2000 5/3", "opj_compress", "p.j2k", "opj_compress -i in.pgm -o p.j2k -threads 1",
      "opj_decompress -i p.j2k -o out.pgm -threads 1"},
-    {"PNG", "pnmtopng", "p.png", "pnmtopng -compression 9 in.pgm > p.png",
+    {"PNG", "pnmtopng", "p.png", "pnmtopng -force -compression 9 in.pgm > p.png",
      "pngtopnm p.png > out.pgm"},
     {"zstd -19", "zstd", "p.zst", "zstd -19 -f -q --single-thread in.pgm -o p.zst",
      "zstd -d -f -q p.zst -o out.pgm"},

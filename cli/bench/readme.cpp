@@ -5,6 +5,7 @@
 #include "bench/advantage.h"
 #include "bench/compression.h"
 #include "bench/paper_tables.h"
+#include "bench/ray_promise.h"
 #include "bench/scale.h"
 #include "bench/table_text.h"
 
@@ -40,7 +41,8 @@ std::string report_text(const Results& results, bool markdown) {
     if (results.preset() == "paper-tables")
         text = paper_tables_text(results.rows, markdown);
     else if (results.preset() == "compression")
-        text = compression_text(results.compression, markdown);
+        text = compression_text(results.compression, markdown) + "\n" +
+               ray_promise_text(results.ray_promise, markdown);
     else if (results.preset() == "scale")
         text = (markdown ? "" : scale_table_text(results.rows, markdown) + "\n") +
                scale_summary_text(results.rows, markdown);

@@ -134,9 +134,13 @@ Facts to_json(const Results& results) {
         rows.push_back(std::move(json));
     }
     for (const Figure& figure : results.figures) figures.push_back(figure_json(figure));
-    return {
-        {"provenance", results.provenance},   {"rows", rows},       {"figures", figures},
-        {"compression", results.compression}, {"cut", results.cut}, {"skipped", results.skipped}};
+    return {{"provenance", results.provenance},
+            {"rows", rows},
+            {"figures", figures},
+            {"compression", results.compression},
+            {"ray_promise", results.ray_promise},
+            {"cut", results.cut},
+            {"skipped", results.skipped}};
 }
 
 Result<Results> read_results(const std::filesystem::path& file) {
@@ -155,6 +159,7 @@ Result<Results> read_results(const std::filesystem::path& file) {
         for (const Facts& figure : json.at("figures"))
             results.figures.push_back(figure_from(figure));
         results.compression = json.value("compression", Facts::array());
+        results.ray_promise = json.value("ray_promise", Facts::array());
         results.cut = json.at("cut").get<std::vector<std::string>>();
         results.skipped = json.at("skipped").get<std::vector<std::string>>();
         return results;

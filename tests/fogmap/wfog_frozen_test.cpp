@@ -42,6 +42,8 @@ TEST_CASE("wfog: frozen files decode to the same values") {
         {"v1_table", 48, 48, 0xe3089703, 0xe5f928fe},
         {"v1_coefficients", 40, 31, 0x7ffbb50c, 0x2bd33d48},
         {"v1_tiles", 600, 3, 0x6f8d5c3e, 0x9fc32143},
+        {"v1_bounds", 45, 38, 0xdb99c69b, 0x70f13c93},
+        {"v1_bounds_tables", 140, 133, 0xe58d94c9, 0xa4006f2f},
     };
     for (const Frozen& frozen : files) {
         const std::string name =

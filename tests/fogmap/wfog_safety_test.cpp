@@ -47,6 +47,11 @@ std::vector<FileBytes> samples() {
     add(few, {});
     add(large, lossy);
     add(Grid<float>::Constant(3, 3, 0.5f), {});
+    Grid<float> smooth(60, 50);  // coarse levels get bounds of their own
+    for (Eigen::Index j = 0; j < smooth.rows(); ++j)
+        for (Eigen::Index i = 0; i < smooth.cols(); ++i)
+            smooth(j, i) = 1 + std::sin(float(i) * 0.1f) * std::cos(float(j) * 0.08f);
+    add(smooth, lossy);
     return files;
 }
 

@@ -44,7 +44,7 @@ Result<Decomposition<float>> decompose_as(const Grid<float>& map, const Decompos
 }
 
 PlaneCoding coding_of(const Head& head, int width, int height, int levels) {
-    return {width, height, head.tile_bits, levels, head.bound};
+    return {width, height, head.tile_bits, levels, head.bounds};
 }
 
 Grid<float> densities_of(const std::vector<int32_t>& integers, const Scale& scale, int width,

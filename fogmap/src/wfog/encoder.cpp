@@ -108,6 +108,40 @@ struct Trial {
     bool negative = false;  ///< somewhere below 0 where the original is not
 };
 
+/// Errors between two that whole steps of the picture allow: rays do not care whether pixels are
+/// off by whole steps.
+bool wants_finer_steps(double steps) {
+    constexpr double kMostSteps = 16;
+    return steps < kMostSteps && steps - std::floor(steps) > 0.5;
+}
+
+/// The share of pixels that the mean of the four around them foretells within the bound; every
+/// other row will do.
+double share_foretold(const std::vector<int32_t>& integers, int width, int64_t bound) {
+    const auto w = static_cast<size_t>(width);
+    size_t seen = 0, foretold = 0;
+    for (size_t row = 1; (row + 2) * w <= integers.size(); row += 2)
+        for (size_t i = row * w + 1; i + 1 < (row + 1) * w; ++i) {
+            const int64_t around =
+                int64_t(integers[i - 1]) + integers[i + 1] + integers[i - w] + integers[i + w];
+            foretold += std::abs(4 * int64_t(integers[i]) - around) <= 4 * bound ? 1u : 0u;
+            ++seen;
+        }
+    return seen > 0 ? static_cast<double>(foretold) / static_cast<double>(seen) : 0;
+}
+
+/// Bounds of the levels before the finest, each 0.7 of the next: of 0.8, 0.75, 0.65 and 0.6 the one
+/// that brings smooth maps 3 dB for the fewest bits (3 % more; rough maps lose by it).
+std::vector<int64_t> tighter_bounds(int64_t finest, int levels) {
+    std::vector<int64_t> bounds(static_cast<size_t>(levels));
+    double bound = static_cast<double>(finest);
+    for (size_t l = bounds.size(); l-- > 0;) {
+        bound *= 0.7;
+        bounds[l] = std::max(std::min<int64_t>(finest, 1), int64_t(std::lround(bound)));
+    }
+    return bounds;
+}
+
 /// One file from a fog's pixels, with at most `error` (in densities; 0: none) at any pixel.
 class PixelEncoder {
   public:
@@ -122,6 +156,9 @@ class PixelEncoder {
         Trial trial;
         trial.integers = integers_of(source_.map, head_.scale);
         const Decomposition<float>& d = head_.fog.decomposition;
+        // Where most pixels follow from their neighbours, exact neighbours are worth their bits.
+        if (share_foretold(trial.integers, d.width, head_.bounds.finest) > 0.95)
+            head_.bounds.coarser = tighter_bounds(head_.bounds.finest, head_.stream_levels);
         PlaneStreams streams;
         if (!encode_plane(trial.integers, coding_of(head_, d.width, d.height, head_.stream_levels),
                           options_.best, options_.threads, options_.stop, streams))
@@ -141,11 +178,12 @@ class PixelEncoder {
 
   private:
     void choose_scale(double error) {
-        head_.bound = 0;
-        if (source_.ratio) {
+        head_.bounds = {};
+        const bool by_rays = options_.promise == WfogOptions::Promise::max_transmittance_error;
+        if (source_.ratio && !(by_rays && wants_finer_steps(error * source_.ratio->divisor))) {
             head_.scale = *source_.ratio;
             // The last bits of a double must not cost a whole step.
-            head_.bound = static_cast<int64_t>(
+            head_.bounds.finest = static_cast<int64_t>(
                 std::min(error * head_.scale.divisor * (1 + 1e-12), double(1 << 29)));
             return;
         }
@@ -158,7 +196,7 @@ class PixelEncoder {
             return;
         }
         head_.scale = {.kind = Scale::Kind::step, .step = step};
-        head_.bound = kStepsOfBound;
+        head_.bounds.finest = kStepsOfBound;
     }
 
     static Bytes join(const std::vector<Bytes>& tiles) {
@@ -251,7 +289,7 @@ Result<Trial> fit_rays(PixelEncoder& encoder, const Fog& fog, const Source& sour
                        const WfogOptions& options, double scale) {
     constexpr int kFewAngles = 12, kAngles = 64;
     const auto ray_error = [&](const Trial& trial, int angles) {
-        return worst_ray_error(fog, trial.map - source.map, options.path, angles);
+        return worst_ray_error(fog, source.map, trial.map - source.map, options.path, angles);
     };
     const double sure = options.error / std::max(fog.extinction * options.path, 1e-300);
     double low = std::log(sure), high = std::log(std::max(scale, sure));

@@ -25,7 +25,8 @@ enum Flags : unsigned {
     has_wind = 4,
     profile_shift = 3,  // two bits: Profile::Kind
     has_coefficients = 32,
-    all_flags = 63,
+    has_coarser_bounds = 64,
+    all_flags = 127,
 };
 
 std::uint32_t checksum(View chunk) {
@@ -101,6 +102,7 @@ Bytes write_head(const Head& head) {
     if (fog.extinction != 1) flags |= has_extinction;
     if (fog.wind[0] != 0 || fog.wind[1] != 0) flags |= has_wind;
     if (head.content == Content::coefficients) flags |= has_coefficients;
+    if (!head.bounds.coarser.empty()) flags |= has_coarser_bounds;
     w.byte(flags);
     if (flags & has_rect)
         for (const double side : {fog.rect.x0, fog.rect.z0, fog.rect.x1, fog.rect.z1})
@@ -118,9 +120,11 @@ Bytes write_head(const Head& head) {
     if (head.scale.kind == Scale::Kind::step) w.number(head.scale.step);
     if (head.scale.kind == Scale::Kind::float_bits) w.byte(head.scale.shift);
     if (head.scale.kind == Scale::Kind::table) write_table(w, head.scale.values);
-    w.length(static_cast<std::uint64_t>(head.bound));
+    w.length(static_cast<std::uint64_t>(head.bounds.finest));
     w.byte(static_cast<unsigned>(head.tile_bits));
     w.byte(static_cast<unsigned>(head.stream_levels));
+    for (const std::int64_t bound : head.bounds.coarser)
+        w.length(static_cast<std::uint64_t>(bound));
     w.fixed(std::bit_cast<std::uint32_t>(head.max_error), 4);
     return std::move(w.bytes);
 }
@@ -129,7 +133,7 @@ tl::unexpected<Error> damaged(const char* what) {
     return data_error(fmt::format("damaged: {}; get the file again", what));
 }
 
-Result<void> read_fog(Reader& r, Head& head) {
+Result<void> read_fog(Reader& r, Head& head, bool& has_coarser) {
     Fog& fog = head.fog;
     Decomposition<float>& d = fog.decomposition;
     const std::uint64_t width = r.length(), height = r.length();
@@ -163,13 +167,16 @@ Result<void> read_fog(Reader& r, Head& head) {
     if (p.kind == Profile::Kind::exponential) p.base = r.number(), p.scale = r.number();
     if (p.kind == Profile::Kind::linear) p.base = r.number(), p.top = r.number();
     head.content = flags & has_coefficients ? Content::coefficients : Content::pixels;
+    has_coarser = (flags & has_coarser_bounds) != 0;
+    if (has_coarser && head.content == Content::coefficients) return damaged("unknown flags");
     return {};
 }
 
 Result<Head> read_head(View payload) {
     Head head;
     Reader r(payload);
-    if (auto ok = read_fog(r, head); !ok) return tl::unexpected(ok.error());
+    bool has_coarser = false;
+    if (auto ok = read_fog(r, head, has_coarser); !ok) return tl::unexpected(ok.error());
     const unsigned kind = r.byte();
     if (kind > static_cast<unsigned>(Scale::Kind::table)) return damaged("no such scale");
     head.scale.kind = static_cast<Scale::Kind>(kind);
@@ -191,12 +198,18 @@ Result<Head> read_head(View payload) {
         return damaged("the table of densities is impossible");
     const std::uint64_t bound = r.length();
     const unsigned tile_bits = r.byte(), stream_levels = r.byte();
+    bool bounds_fit = bound <= (1u << 30);
+    for (unsigned l = 0; has_coarser && l < stream_levels && !r.failed(); ++l) {
+        const std::uint64_t coarser = r.length();
+        bounds_fit = bounds_fit && coarser <= bound;
+        head.bounds.coarser.push_back(static_cast<std::int64_t>(coarser));
+    }
     head.max_error = std::bit_cast<float>(static_cast<std::uint32_t>(r.fixed(4)));
     if (r.failed() || r.left() != 0) return damaged("the head has a wrong length");
-    if (bound > (1u << 30) || tile_bits < kMinTileBits || tile_bits > kMaxTileBits ||
+    if (!bounds_fit || tile_bits < kMinTileBits || tile_bits > kMaxTileBits ||
         stream_levels > tile_bits)
         return damaged("bound, tiles or levels are impossible");
-    head.bound = static_cast<std::int64_t>(bound);
+    head.bounds.finest = static_cast<std::int64_t>(bound);
     head.tile_bits = static_cast<int>(tile_bits);
     head.stream_levels = static_cast<int>(stream_levels);
     return head;

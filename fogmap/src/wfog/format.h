@@ -24,7 +24,7 @@ struct Head {
     int levels = 0;  ///< of the fog's decomposition
     Content content = Content::pixels;
     Scale scale;
-    std::int64_t bound = 0;  ///< of the integers
+    Bounds bounds;  ///< of the integers
     int tile_bits = kDefaultTileBits;
     int stream_levels = 0;
     float max_error = 0;  ///< measured by the encoder, in densities

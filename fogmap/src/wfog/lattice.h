@@ -21,6 +21,19 @@ struct Tile {
     }
 };
 
+/// How far a decoded integer may be off: at coarse levels less where finer ones profit from it.
+struct Bounds {
+    std::int64_t finest = 0;
+    std::vector<std::int64_t> coarser = {};  ///< of the levels before it, coarse first; at most
+                                             ///< `finest`. Empty: the same for all
+
+    std::int64_t at(int level) const {
+        return static_cast<std::size_t>(level) < coarser.size()
+                   ? coarser[static_cast<std::size_t>(level)]
+                   : finest;
+    }
+};
+
 /// Level 0 holds the pixels whose coordinates are both multiples of 2^levels. Level l adds those of
 /// multiples of h = 2^(levels - l), in two passes: first the centres (x and y odd multiples of h),
 /// then the rest (one odd, one even), each row by row.

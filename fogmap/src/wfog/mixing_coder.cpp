@@ -65,13 +65,12 @@ template <class Coder>
 class Model {
   public:
     Model(Tile& tile, const TileCoding& coding)
-        : tile_(tile),
-          coding_(coding),
-          step_(2 * coding.bound + 1),
-          quotients_(tile.values.size()) {}
+        : tile_(tile), coding_(coding), quotients_(tile.values.size()) {}
 
     void level(int level, Coder& coder) {
         coder_ = &coder;
+        bound_ = coding_.bounds.at(level);
+        step_ = 2 * bound_ + 1;
         const int h = 1 << (coding_.levels - level);
         if (level == 0) {
             for (int y = 0; y < tile_.height; y += h)
@@ -213,7 +212,7 @@ class Model {
         const int energy_class = coarse12(energy);
         if (may_be_low) {
             candidate(p);
-            if (code(truth - coding_.low <= coding_.bound, kIsLow, energy_class, second_set)) {
+            if (code(truth - coding_.low <= bound_, kIsLow, energy_class, second_set)) {
                 tile_.values[here] = coding_.low;
                 quotients_[here] = 0;
                 return;
@@ -222,7 +221,7 @@ class Model {
         int64_t quotient = 0;
         if constexpr (Coder::kEncodes) {
             const int64_t d = truth - p;
-            quotient = d >= 0 ? (d + coding_.bound) / step_ : -((coding_.bound - d) / step_);
+            quotient = d >= 0 ? (d + bound_) / step_ : -((bound_ - d) / step_);
         }
         // No quotient of a true stream is beyond this; others must not overflow.
         const int64_t limit = (int64_t(1) << 33) / step_ + 1;
@@ -286,7 +285,7 @@ class Model {
 
     Tile& tile_;
     const TileCoding coding_;
-    const int64_t step_;
+    int64_t bound_ = 0, step_ = 1;         ///< of the level
     std::vector<std::int16_t> quotients_;  ///< of coded pixels, clipped
     std::array<LeastSquares<16>, 2> predictors_;
     ContextMixer mixer_{

@@ -13,14 +13,14 @@ namespace wavefog::wfog {
 /// What the streams of a tile need to be understood.
 struct TileCoding {
     int levels = 0;                  ///< 0..kMaxStreamLevels
-    std::int64_t bound = 0;          ///< no pixel may be off by more
+    Bounds bounds;
     std::int32_t low = 0, high = 0;  ///< no pixel lies outside
     /// Pixels at `low` are marked as such where others are near: maps with much empty air.
     bool marks_low = false;
 };
 
-/// One stream a level. `tile.values` become what a decoder will see, each within `bound` of the
-/// original and inside [low, high].
+/// One stream a level. `tile.values` become what a decoder will see, each within its
+/// bound of the original and inside [low, high].
 std::vector<std::vector<std::uint8_t>> encode_mixing(Tile& tile, const TileCoding& coding);
 
 /// Decodes as many levels as there are streams; pixels of further levels stay as they are. Any

@@ -63,7 +63,7 @@ std::vector<Bytes> encode_tile(Tile& tile, const PlaneCoding& plane, bool best) 
     const auto [least, most] = std::minmax_element(tile.values.begin(), tile.values.end());
     TileCoding coding;
     coding.levels = plane.levels;
-    coding.bound = plane.bound;
+    coding.bounds = plane.bounds;
     coding.low = *least;
     coding.high = *most;
     const auto lows = std::count(tile.values.begin(), tile.values.end(), coding.low);
@@ -72,7 +72,7 @@ std::vector<Bytes> encode_tile(Tile& tile, const PlaneCoding& plane, bool best) 
     const int64_t range = int64_t(coding.high) - coding.low;
     // A small tile takes no time either way, and the tables of one weigh more.
     const bool quick = !best && tile.values.size() >= kSmallTile && range <= kTableRange &&
-                       coding.bound <= kTableRange;
+                       coding.bounds.finest <= kTableRange;
     const TileCoder coder = range == 0 ? TileCoder::constant
                             : quick    ? TileCoder::tables
                                        : TileCoder::mixing;
@@ -100,7 +100,7 @@ bool decode_tile(std::vector<View> streams, const PlaneCoding& plane, Tile& tile
     constexpr int64_t largest = std::numeric_limits<int32_t>::max();
     TileCoding coding;
     coding.levels = plane.levels;
-    coding.bound = plane.bound;
+    coding.bounds = plane.bounds;
     coding.marks_low = (flags & kMarksLow) != 0;
     const int64_t low = head.signed_length();
     if (head.failed() || low < smallest || low > largest) return false;

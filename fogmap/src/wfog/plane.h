@@ -20,7 +20,7 @@ struct PlaneCoding {
     int tile_bits =
         kDefaultTileBits;    ///< tiles have sides of 2^tile_bits, smaller at the far edges
     int levels = 0;          ///< of streams, at most tile_bits
-    std::int64_t bound = 0;  ///< no integer may be off by more
+    Bounds bounds = {};
 
     int tiles_x() const { return ((width - 1) >> tile_bits) + 1; }
     int tiles_z() const { return ((height - 1) >> tile_bits) + 1; }

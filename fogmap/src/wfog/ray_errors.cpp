@@ -1,6 +1,7 @@
 #include "ray_errors.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -51,37 +52,92 @@ class Field {
     const bool nearest_, repeats_;
 };
 
-/// The largest |sums[j] - sums[i]| with i < j <= i + length, for each of the `lengths` 1, 2, 3, 4,
-/// 6, 8, 12 ... and last any other. Extremes of windows come from those of windows half as long.
-class Windows {
+/// The segments of lines, by length and optical depth: how far the map's error can add up.
+class Segments {
   public:
-    void widen(const std::vector<double>& sums, const std::vector<size_t>& lengths,
-               std::vector<double>& worst) {
-        const size_t count = sums.size(), last = lengths.back();
-        high_.assign(count + last + 1, sums.back());
+    /// Lengths 1, 2, 3, 4, 6, 8, 12 ... samples of a line, and last `most`.
+    Segments(size_t most, double depth_of_sum) : depth_of_sum_(depth_of_sum) {
+        for (size_t n = 1; n < most; n *= 2) {
+            lengths_.push_back(n);
+            if (n > 1 && n / 2 * 3 < most) lengths_.push_back(n / 2 * 3);
+        }
+        lengths_.push_back(std::max<size_t>(most, 1));
+        worst_.resize(lengths_.size());
+    }
+
+    /// Running sums along a line: of the error, and of the density.
+    void add_line(const std::vector<double>& sums, const std::vector<double>& density) {
+        const size_t count = sums.size(), last = lengths_.back();
+        high_.assign(count + 2 * last + 2, sums.back());
         std::copy(sums.begin(), sums.end(), high_.begin());
         low_ = high_;
         size_t width = 0;  // extremes of sums[i .. i + width]
-        size_t power = 1;
-        for (size_t k = 0; k < lengths.size(); ++k) {
-            while (power <= lengths[k]) {
-                grow(count + last - power, power - width);
-                width = power;
-                power *= 2;
+        for (size_t k = 0; k < lengths_.size(); ++k) {
+            // The ends of segments longer than those of the class before, up to this one's length:
+            // two windows of `width` cover them. Extremes come from those of half the width.
+            const size_t shortest = k == 0 ? 0 : lengths_[k - 1];
+            const size_t ends = lengths_[k] - shortest;
+            for (size_t more; more = std::max<size_t>(width, 1), width + more <= ends;) {
+                grow(high_.size() - more, more);
+                width += more;
             }
-            // Two windows of `width` cover the length.
-            const size_t shift = lengths[k] - width;
-            double most = worst[k];
+            const size_t shift = shortest + ends - width;
             for (size_t i = 0; i < count; ++i) {
-                const double up = std::max(high_[i], high_[i + shift]) - sums[i];
-                const double down = sums[i] - std::min(low_[i], low_[i + shift]);
+                const double up = std::max(high_[i + shortest], high_[i + shift]) - sums[i];
+                const double down = sums[i] - std::min(low_[i + shortest], low_[i + shift]);
+                const double least_depth =
+                    (density[std::min(i + shortest, count - 1)] - density[i]) * depth_of_sum_;
+                double& most = worst_[k][depth_class(least_depth)];
                 most = std::max(most, std::max(up, down));
             }
-            worst[k] = most;
         }
     }
 
+    /// The largest |dT| of a segment of up to `length` samples whose error and density are both
+    /// `stretch` times those of the lines; `reserve` more of the error.
+    double worst_change(double length, double stretch, double reserve) const {
+        std::array<double, kDepths> worst{};
+        for (size_t k = 0; k < lengths_.size(); ++k) {
+            for (size_t t = 0; t < kDepths; ++t) worst[t] = std::max(worst[t], worst_[k][t]);
+            if (static_cast<double>(lengths_[k]) >= length) break;
+        }
+        // A ray under a height profile is a mean of segments from one end, and so its depth and its
+        // error are means of theirs: a point below the hull of (depth, error) of segments.
+        make_concave(worst);
+        double change = 0;
+        for (size_t t = 0; t < kDepths; ++t)
+            change = std::max(change, std::exp(-stretch * depth_of(t)) *
+                                          std::expm1(stretch * reserve * depth_of_sum_ * worst[t]));
+        return change;
+    }
+
   private:
+    static constexpr size_t kDepths = 193;
+    static constexpr double kDepthStep = 1.0 / 16;
+
+    static size_t depth_class(double depth) {
+        return static_cast<size_t>(std::clamp(depth / kDepthStep, 0.0, double(kDepths - 1)));
+    }
+    static double depth_of(size_t t) { return static_cast<double>(t) * kDepthStep; }
+
+    /// The least concave sequence that is nowhere below.
+    static void make_concave(std::array<double, kDepths>& values) {
+        std::vector<size_t> corners;
+        for (size_t t = 0; t < kDepths; ++t) {
+            while (corners.size() >= 2) {
+                const size_t a = corners[corners.size() - 2], b = corners.back();
+                if ((values[b] - values[a]) * double(t - a) >
+                    (values[t] - values[a]) * double(b - a))
+                    break;
+                corners.pop_back();
+            }
+            corners.push_back(t);
+        }
+        for (size_t c = 0; c + 1 < corners.size(); ++c)
+            for (size_t a = corners[c], b = corners[c + 1], t = a + 1; t < b; ++t)
+                values[t] = std::lerp(values[a], values[b], double(t - a) / double(b - a));
+    }
+
     void grow(size_t count, size_t shift) {
         for (size_t i = 0; i < count; ++i) {
             high_[i] = std::max(high_[i], high_[i + shift]);
@@ -89,6 +145,9 @@ class Windows {
         }
     }
 
+    double depth_of_sum_;
+    std::vector<size_t> lengths_;
+    std::vector<std::array<double, kDepths>> worst_;  ///< by class of length, then of depth
     std::vector<double> high_, low_;
 };
 
@@ -109,9 +168,10 @@ double thickness(const Profile& profile) {
 
 }  // namespace
 
-double worst_ray_error(const Fog& fog, const Grid<float>& error, double path, int angles) {
+double worst_ray_error(const Fog& fog, const Grid<float>& map, const Grid<float>& error,
+                       double path, int angles) {
     const Decomposition<float>& d = fog.decomposition;
-    const Field field(error, d.degree(), d.boundary);
+    const Field field(error, d.degree(), d.boundary), densities(map, d.degree(), d.boundary);
     const double cell_x = fog.cell_x(), cell_z = fog.cell_z();
     const double step = std::min(cell_x, cell_z);
     const double width = cell_x * d.width, height = cell_z * d.height;
@@ -125,37 +185,31 @@ double worst_ray_error(const Fog& fog, const Grid<float>& error, double path, in
     const double lines = 2 * radius / step;
     const double spacing = step * std::max(1.0, per_line * lines * angles / kMostSamples);
 
-    std::vector<size_t> lengths;
-    const auto most = static_cast<size_t>(std::ceil(longest / step));
-    for (size_t n = 1; n < most; n *= 2) {
-        lengths.push_back(n);
-        if (n > 1 && n / 2 * 3 < most) lengths.push_back(n / 2 * 3);
-    }
-    lengths.push_back(std::max<size_t>(most, 1));
-    std::vector<double> worst(lengths.size(), 0.0), sums;
-    Windows windows;
+    Segments segments(static_cast<size_t>(std::ceil(longest / step)), fog.extinction * step);
+    std::vector<double> sums, depths;
     for (int a = 0; a < angles; ++a) {
         const double angle = std::numbers::pi * (a + 0.25) / angles;
         const double ux = std::cos(angle), uz = std::sin(angle);
         for (double across = -radius; across <= radius; across += spacing) {
             sums.assign(1, 0.0);
+            depths.assign(1, 0.0);
             bool inside = false;
             for (double along = -radius; along <= end; along += step) {
-                const double value =
-                    field.at((width / 2 + along * ux - across * uz) / cell_x - 0.5,
-                             (height / 2 + along * uz + across * ux) / cell_z - 0.5);
+                const double x = (width / 2 + along * ux - across * uz) / cell_x - 0.5;
+                const double z = (height / 2 + along * uz + across * ux) / cell_z - 0.5;
+                const double value = field.at(x, z);
                 inside = inside || value != 0;
-                sums.push_back(sums.back() + value * step);
+                sums.push_back(sums.back() + value);
+                depths.push_back(depths.back() + std::max(densities.at(x, z), 0.0));
             }
-            if (!inside) continue;
-            windows.widen(sums, lengths, worst);
+            if (inside) segments.add_line(sums, depths);
         }
     }
     const double largest = error.size() > 0 ? double(error.abs().maxCoeff()) : 0;
 
     // Every slope: a class of lengths covers a range of them.
     const double upwards = thickness(fog.profile);
-    double bound = 0;
+    double worst = 0;
     constexpr int kSlopes = 200;
     for (int s = 0; s <= kSlopes; ++s) {
         const double slope = std::numbers::pi / 2 * s / kSlopes;
@@ -163,15 +217,13 @@ double worst_ray_error(const Fog& fog, const Grid<float>& error, double path, in
         const double cosine = std::max(std::cos(slope), 1e-12), sine = std::sin(slope);
         const double length = sine > 0 ? std::min(path, upwards / sine) : path;
         // No segment can hold more than the largest error all along.
-        double integral = largest * length;
-        for (size_t k = 0; k < lengths.size(); ++k)
-            if (static_cast<double>(lengths[k]) * step >= std::min(length * cosine, longest)) {
-                integral = std::min(integral, kBetweenLines * pieces * worst[k] / cosine);
-                break;
-            }
-        bound = std::max(bound, integral);
+        const double all_along = fog.extinction * largest * length;
+        if (all_along <= worst) continue;
+        const double found = segments.worst_change(std::min(length * cosine, longest) / step,
+                                                   pieces / cosine, kBetweenLines);
+        worst = std::max(worst, std::min(all_along, found));
     }
-    return fog.extinction * bound;
+    return worst;
 }
 
 }  // namespace wavefog::wfog

@@ -303,7 +303,6 @@ void interpolate(Parts& parts) {
 
 std::vector<Bytes> encode_tables(Tile& tile, const TileCoding& coding) {
     const auto most = static_cast<float>(int64_t(coding.high) - coding.low);
-    const auto step = static_cast<float>(2 * coding.bound + 1);
     Plane whole(tile.width, tile.height);
     for (int j = 0; j < tile.height; ++j)
         for (int i = 0; i < tile.width; ++i)
@@ -316,6 +315,10 @@ std::vector<Bytes> encode_tables(Tile& tile, const TileCoding& coding) {
 
     std::vector<Bytes> streams;
     Symbols symbols;
+    const auto step_of = [&](size_t level) {
+        return static_cast<float>(2 * coding.bounds.at(static_cast<int>(level)) + 1);
+    };
+    float step = step_of(0);
     for_each_coarsest(whole, most, [&](float& value, float predicted) {
         int32_t q;
         quantise(&predicted, 1, step, 1 / step, most, &value, &q);
@@ -325,6 +328,7 @@ std::vector<Bytes> encode_tables(Tile& tile, const TileCoding& coding) {
     streams.push_back(write_symbols(symbols));
     for (size_t l = 0; l < levels.size(); ++l) {
         Parts& parts = levels[l];
+        step = step_of(l + 1);
         const Weights weights = fit(parts);
         parts.coarse = std::move(whole);
         symbols.values.clear();
@@ -355,9 +359,11 @@ std::vector<Bytes> encode_tables(Tile& tile, const TileCoding& coding) {
 
 bool decode_tables(Tile& tile, const TileCoding& coding, std::span<const View> streams) {
     const int64_t range = int64_t(coding.high) - coding.low;
-    if (range > kTableRange || coding.bound > kTableRange) return false;
+    if (range > kTableRange || coding.bounds.finest > kTableRange) return false;
     const auto most = static_cast<float>(range);
-    const auto step = static_cast<float>(2 * coding.bound + 1);
+    const auto step_of = [&](int level) {
+        return static_cast<float>(2 * coding.bounds.at(level) + 1);
+    };
     Plane grid = coarsest_grid(tile, coding.levels);
     {
         SymbolReader reader(streams[0], size_t(grid.width) * size_t(grid.height));
@@ -365,7 +371,7 @@ bool decode_tables(Tile& tile, const TileCoding& coding, std::span<const View> s
             constexpr uint8_t context = 0;
             int32_t q = 0;
             reader.read(&context, 1, &q);
-            restore(&predicted, &q, 1, step, most, &value);
+            restore(&predicted, &q, 1, step_of(0), most, &value);
         });
         if (reader.failed()) return false;
     }
@@ -382,6 +388,7 @@ bool decode_tables(Tile& tile, const TileCoding& coding, std::span<const View> s
                                &weights.beyond[0], &weights.beyond[1]})
                 *w8 = static_cast<int8_t>(head.byte());
             if (head.failed()) return false;
+            const float step = step_of(l + 1);
             const size_t count =
                 size_t(w) * size_t(v) - size_t(parts.coarse.width) * size_t(parts.coarse.height);
             SymbolReader reader(head.take(head.left()), count);
