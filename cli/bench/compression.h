@@ -41,6 +41,7 @@ std::optional<Prequantised> prequantise(const CodecMap& map, double error);
 /// Codecs of other projects that are installed, as they stand in the tables. They code the indices
 /// of prequantise() without loss; zfp codes the map itself, with a bound of its own, and a decoder
 /// rounds to whole steps of a picture of integers.
+inline constexpr const char* zfp_name = "zfp";
 std::vector<std::string> installed_peers();
 Result<CodecRun> run_peer(const std::string& peer, const CodecMap& map, double error,
                           const Prequantised& input, const std::filesystem::path& folder);

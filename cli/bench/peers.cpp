@@ -39,7 +39,6 @@ constexpr Program programs[] = {
      "zstd -d -f -q p.zst -o out.pgm"},
 };
 constexpr const char* jpeg_ls = "JPEG-LS";
-constexpr const char* zfp_name = "zfp";
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
