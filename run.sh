@@ -79,7 +79,7 @@ fuzz() {
         mkdir -p "build/fuzz/corpus/$name"
         # shellcheck disable=SC2086 # a list of folders
         "build/fuzz/tests/fuzz/wfog_${name}_fuzz" "build/fuzz/corpus/$name" ${seeds[$name]} \
-            -max_total_time="$seconds" -max_len=8192 -timeout=30 -rss_limit_mb=2048 \
+            -max_total_time="$seconds" -max_len=8192 -timeout=120 -rss_limit_mb=2048 \
             -artifact_prefix="build/fuzz/$name-" >"build/fuzz/$name.log" 2>&1 &
         running[$name]=$!
     done
