@@ -29,6 +29,7 @@ struct RenderOptions {
     std::optional<double> mu;
     std::optional<std::string> camera;
     std::string context = "osmesa";
+    double time = 0;
     int supersample = 1;
     bool json = false;
 };
@@ -55,6 +56,7 @@ Result<void> replace_fogs(const std::vector<fs::path>& files, Scene& scene) {
     if (!files.empty()) {
         scene.fogs.clear();
         scene.models.clear();
+        scene.model_winds.clear();
     }
     for (const fs::path& file : files) {
         if (auto ok = check_input(file); !ok) return ok;
@@ -64,6 +66,8 @@ Result<void> replace_fogs(const std::vector<fs::path>& files, Scene& scene) {
         if (!notes.warning.empty()) warn(notes.warning);
         std::move(loaded->fogs.begin(), loaded->fogs.end(), std::back_inserter(scene.fogs));
         std::move(loaded->models.begin(), loaded->models.end(), std::back_inserter(scene.models));
+        std::move(loaded->model_winds.begin(), loaded->model_winds.end(),
+                  std::back_inserter(scene.model_winds));
     }
     return {};
 }
@@ -91,7 +95,8 @@ Result<void> render(const RenderOptions& options) {
     if (auto ok = replace_fogs(options.fogs, *scene); !ok) return ok;
 
     const auto start = std::chrono::steady_clock::now();
-    const Result<Frame> frame = draw_frame(*scene, options.context, options.supersample);
+    const Result<Frame> frame =
+        draw_frame(*scene, options.context, options.supersample, options.time);
     if (!frame) return tl::unexpected(frame.error());
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
 
@@ -105,6 +110,7 @@ Result<void> render(const RenderOptions& options) {
                    {"method", scene->method.name()},     {"mu", scene->method.mu},
                    {"supersample", options.supersample}, {"context", options.context},
                    {"renderer", frame->renderer},        {"seconds", seconds.count()}};
+    if (options.time != 0) facts["time"] = options.time;
     if (options.camera) facts["camera"] = *options.camera;
     if (!options.transmittance.empty()) facts["transmittance"] = options.transmittance.string();
     print_facts(facts, options.json);
@@ -137,6 +143,8 @@ Command add_render(CLI::App& root) {
         *app, "--mu", options->mu,
         [](const std::string& text) { return parse_number_in(text, 0, 1); }, "MU",
         "Detail level l counts up to |OP| * mu^l from the eye: 1 keeps all, 0 none (the scene's)");
+    add_parsed(*app, "--time", options->time, parse_number, "SECONDS",
+               "When: winds have blown for so long (0)");
     app->add_option("--transmittance", options->transmittance,
                     "Also write the transmittance of every pixel as floats")
         ->type_name("T.exr");

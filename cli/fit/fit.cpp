@@ -81,8 +81,6 @@ Facts rewritten(const fs::path& input, const FitOptions& options, const FitChoic
         for (std::size_t i = 0; i < chosen.maps.fogs.size(); ++i) {
             if (chosen.maps.which[i] != map) continue;
             fog = {{"model", "wavelet"}, {"file", fog_name(options.output, map).filename()}};
-            const auto& wind = chosen.maps.fogs[i].wind;
-            if (wind[0] != 0 || wind[1] != 0) fog["wind"] = wind;
         }
         ++map;
     }

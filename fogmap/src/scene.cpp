@@ -194,10 +194,7 @@ Fog read_fog(const JsonValue& value, const fs::path& directory) {
     if (const auto extinction = value.find("extinction"))
         fog.extinction = extinction->number(0, kInfinity);
     if (const auto height = value.find("height")) fog.profile = detail::read_profile(*height);
-    if (const auto wind = value.find("wind")) {
-        const auto v = wind->numbers(2);
-        fog.wind = {v[0], v[1]};
-    }
+    if (const auto wind = value.find("wind")) fog.wind = detail::read_wind(*wind);
     if (const auto ok = fog.validate(); !ok) value.fail(ok.error().message);
     return fog;
 }
@@ -242,8 +239,11 @@ Scene read_scene(const JsonValue& root, const fs::path& directory) {
             const auto model = fog.find("model");
             if (!model || model->text() == "wavelet")
                 scene.fogs.push_back(read_fog(fog, directory));
-            else
+            else {
                 scene.models.push_back(detail::read_model(fog));
+                const auto wind = fog.find("wind");
+                scene.model_winds.push_back(wind ? detail::read_wind(*wind) : Wind{});
+            }
         }
     return scene;
 }
@@ -283,18 +283,19 @@ Result<SceneFogs> load_fogs(const fs::path& file, LoadNotes* notes) {
     if (is_fog_file(file)) {
         auto fog = load_fog(file, notes);
         if (!fog) return tl::unexpected(fog.error());
-        return SceneFogs{{std::move(*fog)}, {}};
+        return SceneFogs{{std::move(*fog)}, {}, {}};
     }
     if (detail::lower_extension(file) == ".json") {
         auto scene = load_scene(file);
         if (!scene) return tl::unexpected(scene.error());
-        return SceneFogs{std::move(scene->fogs), std::move(scene->models)};
+        return SceneFogs{std::move(scene->fogs), std::move(scene->models),
+                         std::move(scene->model_winds)};
     }
     const auto map = read_fogmap(file);
     if (!map) return tl::unexpected(map.error());
     auto fog = make_fog(map->pixels, {});
     if (!fog) return data_error(fmt::format("{}: {}", file.string(), fog.error().message));
-    return SceneFogs{{std::move(*fog)}, {}};
+    return SceneFogs{{std::move(*fog)}, {}, {}};
 }
 
 }  // namespace wavefog

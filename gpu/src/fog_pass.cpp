@@ -306,6 +306,12 @@ Result<void> FogPass::set_views(const std::vector<FogView>& views) {
     return impl_->radial ? impl_->radial->set_views(views) : Result<void>{};
 }
 
+Result<void> FogPass::set_models(std::vector<FogModel> models) {
+    if (models.empty() == impl_->models.has_value())
+        return usage_error("the fog pass was made with formulas or without; make a new one");
+    return impl_->models ? impl_->models->set_models(std::move(models)) : Result<void>{};
+}
+
 std::size_t FogPass::table_fills() const {
     return impl_->radial ? impl_->radial->fills() : 0;
 }

@@ -49,6 +49,12 @@ Result<ModelPass> ModelPass::create(const Gl& gl, std::vector<FogModel> models, 
     return pass;
 }
 
+Result<void> ModelPass::set_models(std::vector<FogModel> models) {
+    if (auto ok = check_models(models); !ok) return ok;
+    models_ = std::move(models);
+    return {};
+}
+
 GLuint ModelPass::maps_target(const FrameTarget& frame) {
     if (frame.width != width_ || frame.height != height_) {
         width_ = frame.width;

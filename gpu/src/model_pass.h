@@ -17,6 +17,9 @@ class ModelPass {
     static Result<ModelPass> create(const Gl& gl, std::vector<FogModel> models, bool after_maps,
                                     const Eigen::Vector3d& fog_colour);
 
+    /// A data error as from create().
+    Result<void> set_models(std::vector<FogModel> models);
+
     /// The R32F target for the maps' optical depth, of the frame's size.
     GLuint maps_target(const FrameTarget& frame);
 

@@ -18,6 +18,7 @@ constexpr std::uint8_t kMagic[4] = {'W', 'F', 'O', 'G'};
 // An upper-case type must be understood, a lower-case one may be skipped.
 constexpr unsigned kHead = 'F', kStream = 'S';
 constexpr int kMaxFogLevels = 30;
+constexpr std::uint64_t kMaxWindKeys = 65536;
 
 enum Flags : unsigned {
     has_rect = 1,
@@ -25,7 +26,8 @@ enum Flags : unsigned {
     has_wind = 4,
     profile_shift = 3,  // two bits: Profile::Kind
     has_coefficients = 32,
-    all_flags = 63,
+    has_wind_keys = 64,
+    all_flags = 127,
 };
 
 std::uint32_t checksum(View chunk) {
@@ -99,15 +101,19 @@ Bytes write_head(const Head& head) {
     unsigned flags = static_cast<unsigned>(fog.profile.kind) << profile_shift;
     if (!default_rect(fog)) flags |= has_rect;
     if (fog.extinction != 1) flags |= has_extinction;
-    if (fog.wind[0] != 0 || fog.wind[1] != 0) flags |= has_wind;
+    if (!fog.wind.calm()) flags |= fog.wind.constant() ? has_wind : has_wind_keys;
     if (head.content == Content::coefficients) flags |= has_coefficients;
     w.byte(flags);
     if (flags & has_rect)
         for (const double side : {fog.rect.x0, fog.rect.z0, fog.rect.x1, fog.rect.z1})
             w.number(side);
     if (flags & has_extinction) w.number(fog.extinction);
-    if (flags & has_wind)
-        for (const double speed : fog.wind) w.number(speed);
+    if (flags & has_wind) w.number(fog.wind.keys[0].x), w.number(fog.wind.keys[0].z);
+    if (flags & has_wind_keys) {
+        w.length(fog.wind.keys.size());
+        for (const Wind::Key& key : fog.wind.keys)
+            w.number(key.seconds), w.number(key.x), w.number(key.z);
+    }
     const Profile& p = fog.profile;
     if (p.kind == Profile::Kind::slab) w.number(p.bottom), w.number(p.top);
     if (p.kind == Profile::Kind::exponential) w.number(p.base), w.number(p.scale);
@@ -155,8 +161,18 @@ Result<void> read_fog(Reader& r, Head& head) {
         for (double* side : {&fog.rect.x0, &fog.rect.z0, &fog.rect.x1, &fog.rect.z1})
             *side = r.number();
     if (flags & has_extinction) fog.extinction = r.number();
-    if (flags & has_wind)
-        for (double& speed : fog.wind) speed = r.number();
+    if (flags & has_wind) {
+        const double x = r.number();
+        fog.wind = {x, r.number()};
+    }
+    if (flags & has_wind_keys) {
+        const std::uint64_t count = r.length();
+        if (count < 1 || count > kMaxWindKeys || count > r.left() / 24)
+            return damaged("the wind's keys end too soon");
+        fog.wind.keys.resize(static_cast<std::size_t>(count));
+        for (Wind::Key& key : fog.wind.keys)
+            for (double* part : {&key.seconds, &key.x, &key.z}) *part = r.number();
+    }
     Profile& p = fog.profile;
     p.kind = static_cast<Profile::Kind>(flags >> profile_shift & 3u);
     if (p.kind == Profile::Kind::slab) p.bottom = r.number(), p.top = r.number();

@@ -97,7 +97,8 @@ struct Scene {
     std::vector<MeshInstance> meshes;
     Eigen::Vector3d fog_colour{0.8, 0.82, 0.85};
     std::vector<Fog> fogs;         ///< maps: "model": "wavelet"
-    std::vector<FogModel> models;  ///< formulas, in closed form whatever the method
+    std::vector<FogModel> models;  ///< formulas, in closed form whatever the method; at time 0
+    std::vector<Wind> model_winds;  ///< of `models`, in their order
     Method method;
 };
 
@@ -115,6 +116,7 @@ Result<Camera> find_camera(const Scene& scene, const std::string& name);
 struct SceneFogs {
     std::vector<Fog> fogs;
     std::vector<FogModel> models;
+    std::vector<Wind> model_winds;
 };
 
 /// The fogs of a file that may be a scene, a fog file or an image (taken with make_fog's defaults

@@ -47,6 +47,10 @@ class FogPass {
     FogPass& operator=(FogPass&&) noexcept;
     ~FogPass();
 
+    /// Replaces what formulas give, such as by where the wind has taken it. There must be some if and
+    /// only if there were some before; a data error as from create().
+    Result<void> set_models(std::vector<FogModel> models);
+
     /// L = T L_scene + (1 - T) L_fog (paper 004, eq. 4) into `output` (RGBA16F or RGBA32F colour).
     void draw_colour(const FrameTarget& frame, const Camera& camera, GLuint output_framebuffer,
                      double seconds = 0);
@@ -85,7 +89,8 @@ class FogPass {
 /// eye together.
 class ShaderOnCpu {
   public:
-    static Result<ShaderOnCpu> create(const Fog& fog, const Method& method);
+    /// The fog stands where its wind has taken it after `seconds`.
+    static Result<ShaderOnCpu> create(const Fog& fog, const Method& method, double seconds = 0);
     ShaderOnCpu(ShaderOnCpu&&) noexcept;
     ShaderOnCpu& operator=(ShaderOnCpu&&) noexcept;
     ~ShaderOnCpu();
