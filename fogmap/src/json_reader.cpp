@@ -67,9 +67,12 @@ Result<json> parse_json(const std::string& text, const std::string& file) {
     }
 }
 
+std::string JsonValue::place() const {
+    return path_.empty() ? *file_ : fmt::format("{}: {}", *file_, path_);
+}
+
 void JsonValue::fail(const std::string& what) const {
-    throw JsonFailure{{ErrorKind::data,
-                       fmt::format("{}: {}{}{}", *file_, path_, path_.empty() ? "" : ": ", what)}};
+    throw JsonFailure{{ErrorKind::data, fmt::format("{}: {}", place(), what)}};
 }
 
 JsonValue JsonValue::child(std::string_view name, const json& value) const {
@@ -226,7 +229,7 @@ Wind read_wind(const JsonValue& value) {
     Wind wind;
     if (items.size() == 2 && !items[0].is_list()) {
         const auto v = value.numbers(2);
-        wind = {v[0], v[1]};
+        if (v[0] != 0 || v[1] != 0) wind = {v[0], v[1]};
     } else {
         if (items.empty() || !items[0].is_list())
             value.fail(fmt::format("has {} entries; it must be [vx, vz] in m/s, or a list of [t, vx, "

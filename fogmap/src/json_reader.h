@@ -48,6 +48,8 @@ class JsonValue {
     std::vector<double> numbers(std::size_t count) const;
     Eigen::Vector3d vector3() const;
     Rect rect() const;
+    /// "FILE: path", as in messages.
+    std::string place() const;
     bool is_text() const { return value_->is_string(); }
     bool is_list() const { return value_->is_array(); }
 

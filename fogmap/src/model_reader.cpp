@@ -123,7 +123,7 @@ Potentials read_potentials(const JsonValue& value) {
 
 FogModel read_unchecked(const JsonValue& value) {
     switch (value.key("model").choice(
-        {"wavelet", "halfspace", "layers", "cosines", "polynomials", "potentials"})) {
+        {"wavelet", "halfspace", "layers", "cosines", "polynomials", "potentials", "particles"})) {
         case 1:
             return read_halfspace(value);
         case 2:

@@ -10,7 +10,9 @@
 #include "wavefog/fogmap/fog.h"
 #include "wavefog/fogmap/fog_file.h"
 #include "wavefog/fogmap/image.h"
+#include "wavefog/fogmap/map_sequence.h"
 #include "wavefog/fogmap/models.h"
+#include "wavefog/fogmap/particles.h"
 #include "wavefog/wavelet/path_table.h"
 
 namespace wavefog {
@@ -99,6 +101,8 @@ struct Scene {
     std::vector<Fog> fogs;         ///< maps: "model": "wavelet"
     std::vector<FogModel> models;  ///< formulas, in closed form whatever the method; at time 0
     std::vector<Wind> model_winds;  ///< of `models`, in their order
+    std::vector<MapSequence> sequences;      ///< which `fogs` have a map that changes
+    std::vector<ParticleSource> particles;
     Method method;
 };
 
@@ -117,6 +121,8 @@ struct SceneFogs {
     std::vector<Fog> fogs;
     std::vector<FogModel> models;
     std::vector<Wind> model_winds;
+    std::vector<MapSequence> sequences;
+    std::vector<ParticleSource> particles;
 };
 
 /// The fogs of a file that may be a scene, a fog file or an image (taken with make_fog's defaults
