@@ -14,6 +14,7 @@
 #include "wavefog/gpu/context.h"
 #include "wavefog/gpu/fog_pass.h"
 #include "wavefog/gpu/frame.h"
+#include "wavefog/gpu/obstacles.h"
 #include "wavefog/gpu/pixel_rays.h"
 
 namespace wavefog::cli {
@@ -64,6 +65,9 @@ struct FrameDrawer::Impl {
     std::vector<FogTextures> textures;
     std::optional<FogPass> pass;  ///< none with method reference
     Target colour, depth;
+    std::vector<Fog> changing;  ///< the maps of scene->sequences
+    std::vector<SequencePlayer> players;
+    std::optional<ParticleSystem> particles;
 
     const Gl& gl() const { return context->gl(); }
 
@@ -77,7 +81,8 @@ struct FrameDrawer::Impl {
         fogs.reserve(textures.size());
         for (const FogTextures& made : textures) fogs.push_back(&made);
         Result<FogPass> made =
-            FogPass::create(gl(), fogs, scene->method, scene->fog_colour, scene->models);
+            FogPass::create(gl(), fogs, scene->method, scene->fog_colour, scene->models,
+                            particles.has_value());
         if (!made) return tl::unexpected(made.error());
         pass = *std::move(made);
         for (auto [to, internal_format, format] :
@@ -90,8 +95,21 @@ struct FrameDrawer::Impl {
         return {};
     }
 
+    /// The maps that change, as they are at a time.
+    Result<void> show_maps(double seconds) {
+        for (std::size_t i = 0; i < players.size(); ++i)
+            if (auto ok = players[i].show(seconds, changing[i]); !ok) return ok;
+        return {};
+    }
+
     /// Colour and transmittance by the GPU fog pass.
     Result<void> draw_on_gpu(double seconds, Frame& frame) {
+        for (std::size_t i = 0; i < players.size(); ++i)
+            if (auto ok = textures[scene->sequences[i].fog].update(gl(), changing[i]); !ok) return ok;
+        if (!players.empty())
+            if (auto ok = pass->fogs_changed(); !ok) return ok;
+        if (particles)
+            if (auto ok = pass->set_particles(particles->at(seconds)); !ok) return ok;
         if (!scene->models.empty())
             if (auto ok =
                     pass->set_models(models_at(scene->models, scene->model_winds, seconds));
@@ -107,20 +125,28 @@ struct FrameDrawer::Impl {
     }
 
     /// The same by the reference integrator, from the scene's colour and depth.
-    void draw_on_cpu(double seconds, Frame& frame) const {
+    void draw_on_cpu(double seconds, Frame& frame) {
         const int width = target.width, height = target.height;
         const Image surfaces = read_texture(gl(), target.depth.name(), width, height, 1, true);
         frame.colour = rgb_of(read_texture(gl(), target.colour.name(), width, height, 4));
         frame.transmittance = {width, height, 1, std::vector<float>(surfaces.pixels.size())};
         std::vector<Reference> fogs;
-        for (const Fog& fog : scene->fogs) fogs.emplace_back(fog, seconds);
+        for (std::size_t i = 0; i < scene->fogs.size(); ++i) {
+            const Fog* fog = &scene->fogs[i];
+            for (std::size_t k = 0; k < changing.size(); ++k)
+                if (scene->sequences[k].fog == i) fog = &changing[k];
+            fogs.emplace_back(*fog, seconds);
+        }
+        const std::vector<Particle> points =
+            particles ? particles->at(seconds) : std::vector<Particle>{};
         const auto models = models_at(scene->models, scene->model_winds, seconds);
         const PixelRays rays(scene->camera, width, height);
         const auto draw_rows = [&](std::size_t begin, std::size_t end) {
             for (int y = int(begin); y < int(end); ++y)
                 for (int x = 0; x < width; ++x) {
                     const PixelRay ray = rays.at(x, y, double(surfaces.at(x, y, 0)));
-                    const double tau = rays.optical_depth(fogs, ray, scene->method.mu, models);
+                    const double tau =
+                        rays.optical_depth(fogs, ray, scene->method.mu, models, points);
                     const double opacity = -std::expm1(-tau);
                     frame.transmittance.at(x, y, 0) = float(std::exp(-tau));
                     for (int c = 0; c < 3; ++c) {
@@ -157,6 +183,15 @@ Result<FrameDrawer> FrameDrawer::create(const Scene& scene, const std::string& c
                         "less --supersample",
                         width, height));
     renderer->draw(impl->target, scene.camera);
+    for (const MapSequence& sequence : scene.sequences) {
+        impl->players.emplace_back(sequence);
+        impl->changing.push_back(scene.fogs[sequence.fog]);
+    }
+    if (!scene.particles.empty()) {
+        auto obstacles = scene_obstacles(scene);
+        if (!obstacles) return tl::unexpected(obstacles.error());
+        impl->particles.emplace(scene.particles, *std::move(obstacles));
+    }
     if (scene.method.kind != MethodKind::reference)
         if (auto made = impl->make_pass(); !made) return tl::unexpected(made.error());
     return FrameDrawer(std::move(impl));
@@ -165,6 +200,7 @@ Result<FrameDrawer> FrameDrawer::create(const Scene& scene, const std::string& c
 Result<Frame> FrameDrawer::draw(double seconds) {
     Frame frame;
     frame.renderer = impl_->context->renderer();
+    if (auto shown = impl_->show_maps(seconds); !shown) return tl::unexpected(shown.error());
     if (!impl_->pass)
         impl_->draw_on_cpu(seconds, frame);
     else if (auto drawn = impl_->draw_on_gpu(seconds, frame); !drawn)

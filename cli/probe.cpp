@@ -81,8 +81,15 @@ Result<void> probe(const ProbeOptions& options) {
     Method method = options.method;
     method.mu = options.mu.value_or(method.mu);
     LoadNotes notes;
-    const Result<SceneFogs> loaded = load_fogs(options.input, &notes);
+    Result<SceneFogs> loaded = load_fogs(options.input, &notes);
     if (!loaded) return tl::unexpected(loaded.error());
+    if (!loaded->particles.empty())
+        return data_error(options.input.string() +
+                          ": probe knows no particles, which meet the scene's ground; use render "
+                          "--transmittance");
+    for (const MapSequence& sequence : loaded->sequences)
+        if (auto ok = SequencePlayer(sequence).show(options.time, loaded->fogs[sequence.fog]); !ok)
+            return ok;
     if (!notes.warning.empty()) warn(notes.warning);
     const Result<RayTable> table = rays_of(options.rays);
     if (!table) return tl::unexpected(table.error());

@@ -4,6 +4,7 @@
 
 #include "bench/advantage.h"
 #include "bench/compression.h"
+#include "bench/motion.h"
 #include "bench/paper_tables.h"
 #include "bench/scale.h"
 #include "bench/table_text.h"
@@ -41,6 +42,8 @@ std::string report_text(const Results& results, bool markdown) {
         text = paper_tables_text(results.rows, markdown);
     else if (results.preset() == "compression")
         text = compression_text(results.compression, markdown);
+    else if (results.preset() == "motion")
+        text = motion_text(results.motion, markdown);
     else if (results.preset() == "scale")
         text = (markdown ? "" : scale_table_text(results.rows, markdown) + "\n") +
                scale_summary_text(results.rows, markdown);

@@ -136,7 +136,7 @@ Facts to_json(const Results& results) {
     for (const Figure& figure : results.figures) figures.push_back(figure_json(figure));
     return {
         {"provenance", results.provenance},   {"rows", rows},       {"figures", figures},
-        {"compression", results.compression}, {"cut", results.cut}, {"skipped", results.skipped}};
+        {"compression", results.compression}, {"motion", results.motion}, {"cut", results.cut}, {"skipped", results.skipped}};
 }
 
 Result<Results> read_results(const std::filesystem::path& file) {
@@ -155,6 +155,7 @@ Result<Results> read_results(const std::filesystem::path& file) {
         for (const Facts& figure : json.at("figures"))
             results.figures.push_back(figure_from(figure));
         results.compression = json.value("compression", Facts::array());
+        results.motion = json.value("motion", Facts::array());
         results.cut = json.at("cut").get<std::vector<std::string>>();
         results.skipped = json.at("skipped").get<std::vector<std::string>>();
         return results;

@@ -178,6 +178,9 @@ Result<void> fit(const FitOptions& options) {
     if (scene->fogs.empty())
         return data_error(options.input.string() +
                           ": the scene has no wavelet fog to fit; add one");
+    if (!scene->sequences.empty())
+        return data_error(scene->sequences.front().place +
+                          ": a map that changes cannot be fitted; give one \"image\"");
     if (auto ok = check_files(options, *scene); !ok) return ok;
     const Size size = options.size.value_or(Size{scene->width, scene->height});
     const Result<std::unique_ptr<Context>> context = create_context(options.context);
