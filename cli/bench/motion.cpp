@@ -121,7 +121,7 @@ Result<void> study_particles(const Gl& gl, Facts& rows) {
     if (!output) return tl::unexpected(output.error());
     for (const int count : kCounts) {
         show_progress_line(double(rows.size()) / kRows, 0, fmt::format("{} particles", count));
-        Result<FogPass> pass = FogPass::create(gl, {}, {}, {1, 1, 1}, {}, count > 0);
+        Result<FogPass> pass = FogPass::create(gl, {}, {}, {1, 1, 1}, {}, true);
         if (!pass) return tl::unexpected(pass.error());
         std::vector<ParticleSource> sources;
         if (count > 0) sources.push_back(drifting(count));
@@ -132,8 +132,7 @@ Result<void> study_particles(const Gl& gl, Facts& rows) {
             return {};
         });
         const auto drawn = median_ms([&](int) -> Result<void> {
-            if (count > 0)
-                if (auto ok = pass->set_particles(now); !ok) return ok;
+            if (auto ok = pass->set_particles(now); !ok) return ok;
             pass->draw_colour(frame, camera, output->name());
             gl.Finish();
             return {};
