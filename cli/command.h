@@ -18,6 +18,7 @@ Command add_info(CLI::App& root);
 Command add_decode(CLI::App& root);
 Command add_probe(CLI::App& root);
 Command add_render(CLI::App& root);
+Command add_animate(CLI::App& root);
 Command add_bench(CLI::App& root);
 Command add_fit(CLI::App& root);
 

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -12,6 +14,7 @@
 #include "wavefog/gpu/context.h"
 #include "wavefog/gpu/fog_pass.h"
 #include "wavefog/gpu/frame.h"
+#include "wavefog/gpu/obstacles.h"
 #include "wavefog/gpu/pixel_rays.h"
 
 namespace wavefog::cli {
@@ -52,59 +55,162 @@ Image rgb_of(const Image& rgba) {
     return image;
 }
 
-/// Colour and transmittance by the GPU fog pass.
-Result<void> draw_on_gpu(const Gl& gl, const Scene& scene, const FrameTarget& target,
-                         Frame& frame) {
-    std::vector<FogTextures> textures;
-    for (const Fog& fog : scene.fogs) {
-        Result<FogTextures> made = FogTextures::create(gl, fog);
-        if (!made) return tl::unexpected(made.error());
-        textures.push_back(*std::move(made));
-    }
-    std::vector<const FogTextures*> fogs;
-    fogs.reserve(textures.size());
-    for (const FogTextures& made : textures) fogs.push_back(&made);
-    Result<FogPass> pass = FogPass::create(gl, fogs, scene.method, scene.fog_colour, scene.models);
-    if (!pass) return tl::unexpected(pass.error());
-
-    const int width = target.width, height = target.height;
-    const Result<Target> colour = make_target(gl, GL_RGBA32F, GL_RGBA, width, height);
-    if (!colour) return tl::unexpected(colour.error());
-    const Result<Target> depth = make_target(gl, GL_R32F, GL_RED, width, height);
-    if (!depth) return tl::unexpected(depth.error());
-    pass->draw_colour(target, scene.camera, colour->framebuffer.name());
-    pass->draw_optical_depth(target, scene.camera, depth->framebuffer.name());
-    frame.colour = rgb_of(read_texture(gl, colour->texture.name(), width, height, 4));
-    frame.transmittance =
-        transmittance_of(read_texture(gl, depth->texture.name(), width, height, 1));
-    return {};
-}
-
-/// The same by the reference integrator, from the scene's colour and depth.
-void draw_on_cpu(const Gl& gl, const Scene& scene, const FrameTarget& target, Frame& frame) {
-    const int width = target.width, height = target.height;
-    const Image depth = read_texture(gl, target.depth.name(), width, height, 1, true);
-    frame.colour = rgb_of(read_texture(gl, target.colour.name(), width, height, 4));
-    frame.transmittance = {width, height, 1, std::vector<float>(depth.pixels.size())};
-    const std::vector<Reference> fogs(scene.fogs.begin(), scene.fogs.end());
-    const PixelRays rays(scene.camera, width, height);
-    const auto draw_rows = [&](std::size_t begin, std::size_t end) {
-        for (int y = int(begin); y < int(end); ++y)
-            for (int x = 0; x < width; ++x) {
-                const PixelRay ray = rays.at(x, y, double(depth.at(x, y, 0)));
-                const double tau = rays.optical_depth(fogs, ray, scene.method.mu, scene.models);
-                const double opacity = -std::expm1(-tau);
-                frame.transmittance.at(x, y, 0) = float(std::exp(-tau));
-                for (int c = 0; c < 3; ++c) {
-                    float& value = frame.colour.at(x, y, c);
-                    value += float(opacity * (scene.fog_colour[c] - double(value)));
-                }
-            }
-    };
-    parallel_chunks("integrating", std::size_t(height), 1, draw_rows);
-}
-
 }  // namespace
+
+struct FrameDrawer::Impl {
+    const Scene* scene;
+    int supersample;
+    std::unique_ptr<Context> context;
+    FrameTarget target;
+    std::vector<FogTextures> textures;
+    std::optional<FogPass> pass;  ///< none with method reference
+    Target colour, depth;
+    std::vector<Fog> changing;  ///< the maps of scene->sequences
+    std::vector<SequencePlayer> players;
+    std::optional<ParticleSystem> particles;
+
+    const Gl& gl() const { return context->gl(); }
+
+    Result<void> make_pass() {
+        for (const Fog& fog : scene->fogs) {
+            Result<FogTextures> made = FogTextures::create(gl(), fog);
+            if (!made) return tl::unexpected(made.error());
+            textures.push_back(*std::move(made));
+        }
+        std::vector<const FogTextures*> fogs;
+        fogs.reserve(textures.size());
+        for (const FogTextures& made : textures) fogs.push_back(&made);
+        Result<FogPass> made =
+            FogPass::create(gl(), fogs, scene->method, scene->fog_colour, scene->models,
+                            particles.has_value());
+        if (!made) return tl::unexpected(made.error());
+        pass = *std::move(made);
+        for (auto [to, internal_format, format] :
+             {std::tuple{&colour, GLenum(GL_RGBA32F), GLenum(GL_RGBA)}, {&depth, GL_R32F, GL_RED}}) {
+            Result<Target> drawn =
+                make_target(gl(), internal_format, format, target.width, target.height);
+            if (!drawn) return tl::unexpected(drawn.error());
+            *to = *std::move(drawn);
+        }
+        return {};
+    }
+
+    /// The maps that change, as they are at a time.
+    Result<void> show_maps(double seconds) {
+        for (std::size_t i = 0; i < players.size(); ++i)
+            if (auto ok = players[i].show(seconds, changing[i]); !ok) return ok;
+        return {};
+    }
+
+    /// Colour and transmittance by the GPU fog pass.
+    Result<void> draw_on_gpu(double seconds, Frame& frame) {
+        for (std::size_t i = 0; i < players.size(); ++i)
+            if (auto ok = textures[scene->sequences[i].fog].update(gl(), changing[i]); !ok) return ok;
+        if (!players.empty())
+            if (auto ok = pass->fogs_changed(); !ok) return ok;
+        if (particles)
+            if (auto ok = pass->set_particles(particles->at(seconds)); !ok) return ok;
+        if (!scene->models.empty())
+            if (auto ok =
+                    pass->set_models(models_at(scene->models, scene->model_winds, seconds));
+                !ok)
+                return ok;
+        pass->draw_colour(target, scene->camera, colour.framebuffer.name(), seconds);
+        pass->draw_optical_depth(target, scene->camera, depth.framebuffer.name(), seconds);
+        frame.colour =
+            rgb_of(read_texture(gl(), colour.texture.name(), target.width, target.height, 4));
+        frame.transmittance = transmittance_of(
+            read_texture(gl(), depth.texture.name(), target.width, target.height, 1));
+        return {};
+    }
+
+    /// The same by the reference integrator, from the scene's colour and depth.
+    void draw_on_cpu(double seconds, Frame& frame) {
+        const int width = target.width, height = target.height;
+        const Image surfaces = read_texture(gl(), target.depth.name(), width, height, 1, true);
+        frame.colour = rgb_of(read_texture(gl(), target.colour.name(), width, height, 4));
+        frame.transmittance = {width, height, 1, std::vector<float>(surfaces.pixels.size())};
+        std::vector<Reference> fogs;
+        for (std::size_t i = 0; i < scene->fogs.size(); ++i) {
+            const Fog* fog = &scene->fogs[i];
+            for (std::size_t k = 0; k < changing.size(); ++k)
+                if (scene->sequences[k].fog == i) fog = &changing[k];
+            fogs.emplace_back(*fog, seconds);
+        }
+        const std::vector<Particle> points =
+            particles ? particles->at(seconds) : std::vector<Particle>{};
+        const auto models = models_at(scene->models, scene->model_winds, seconds);
+        const PixelRays rays(scene->camera, width, height);
+        const auto draw_rows = [&](std::size_t begin, std::size_t end) {
+            for (int y = int(begin); y < int(end); ++y)
+                for (int x = 0; x < width; ++x) {
+                    const PixelRay ray = rays.at(x, y, double(surfaces.at(x, y, 0)));
+                    const double tau =
+                        rays.optical_depth(fogs, ray, scene->method.mu, models, points);
+                    const double opacity = -std::expm1(-tau);
+                    frame.transmittance.at(x, y, 0) = float(std::exp(-tau));
+                    for (int c = 0; c < 3; ++c) {
+                        float& value = frame.colour.at(x, y, c);
+                        value += float(opacity * (scene->fog_colour[c] - double(value)));
+                    }
+                }
+        };
+        parallel_chunks("integrating", std::size_t(height), 1, draw_rows);
+    }
+};
+
+FrameDrawer::FrameDrawer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+FrameDrawer::FrameDrawer(FrameDrawer&&) noexcept = default;
+FrameDrawer& FrameDrawer::operator=(FrameDrawer&&) noexcept = default;
+FrameDrawer::~FrameDrawer() = default;
+
+Result<FrameDrawer> FrameDrawer::create(const Scene& scene, const std::string& context_name,
+                                        int supersample) {
+    Result<std::unique_ptr<Context>> context = create_context(context_name);
+    if (!context) return tl::unexpected(context.error());
+    auto impl = std::make_unique<Impl>();
+    impl->scene = &scene;
+    impl->supersample = supersample;
+    impl->context = *std::move(context);
+    const int width = scene.width * supersample, height = scene.height * supersample;
+
+    const Result<SceneRenderer> renderer = SceneRenderer::create(impl->gl(), scene);
+    if (!renderer) return tl::unexpected(renderer.error());
+    impl->target = make_frame_target(impl->gl(), width, height);
+    if (!impl->target.framebuffer)
+        return usage_error(
+            fmt::format("--size: this OpenGL cannot draw {}x{} pixels; use less, or "
+                        "less --supersample",
+                        width, height));
+    renderer->draw(impl->target, scene.camera);
+    for (const MapSequence& sequence : scene.sequences) {
+        impl->players.emplace_back(sequence);
+        impl->changing.push_back(scene.fogs[sequence.fog]);
+    }
+    if (!scene.particles.empty()) {
+        auto obstacles = scene_obstacles(scene);
+        if (!obstacles) return tl::unexpected(obstacles.error());
+        impl->particles.emplace(scene.particles, *std::move(obstacles));
+    }
+    if (scene.method.kind != MethodKind::reference)
+        if (auto made = impl->make_pass(); !made) return tl::unexpected(made.error());
+    return FrameDrawer(std::move(impl));
+}
+
+Result<Frame> FrameDrawer::draw(double seconds) {
+    Frame frame;
+    frame.renderer = impl_->context->renderer();
+    if (auto shown = impl_->show_maps(seconds); !shown) return tl::unexpected(shown.error());
+    if (!impl_->pass)
+        impl_->draw_on_cpu(seconds, frame);
+    else if (auto drawn = impl_->draw_on_gpu(seconds, frame); !drawn)
+        return tl::unexpected(drawn.error());
+    if (impl_->supersample > 1) {
+        frame.colour = box_average(frame.colour, impl_->supersample);
+        frame.transmittance = box_average(frame.transmittance, impl_->supersample);
+    }
+    return frame;
+}
 
 Image box_average(const Image& image, int factor) {
     Image small{image.width / factor, image.height / factor, image.channels, {}};
@@ -121,33 +227,11 @@ Image box_average(const Image& image, int factor) {
     return small;
 }
 
-Result<Frame> draw_frame(const Scene& scene, const std::string& context_name, int supersample) {
-    const Result<std::unique_ptr<Context>> context = create_context(context_name);
-    if (!context) return tl::unexpected(context.error());
-    const Gl& gl = (*context)->gl();
-    const int width = scene.width * supersample, height = scene.height * supersample;
-
-    const Result<SceneRenderer> renderer = SceneRenderer::create(gl, scene);
-    if (!renderer) return tl::unexpected(renderer.error());
-    const FrameTarget target = make_frame_target(gl, width, height);
-    if (!target.framebuffer)
-        return usage_error(
-            fmt::format("--size: this OpenGL cannot draw {}x{} pixels; use less, or "
-                        "less --supersample",
-                        width, height));
-    renderer->draw(target, scene.camera);
-
-    Frame frame;
-    frame.renderer = (*context)->renderer();
-    if (scene.method.kind == MethodKind::reference)
-        draw_on_cpu(gl, scene, target, frame);
-    else if (auto drawn = draw_on_gpu(gl, scene, target, frame); !drawn)
-        return tl::unexpected(drawn.error());
-    if (supersample > 1) {
-        frame.colour = box_average(frame.colour, supersample);
-        frame.transmittance = box_average(frame.transmittance, supersample);
-    }
-    return frame;
+Result<Frame> draw_frame(const Scene& scene, const std::string& context, int supersample,
+                         double seconds) {
+    Result<FrameDrawer> drawer = FrameDrawer::create(scene, context, supersample);
+    if (!drawer) return tl::unexpected(drawer.error());
+    return drawer->draw(seconds);
 }
 
 }  // namespace wavefog::cli

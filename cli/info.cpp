@@ -88,7 +88,14 @@ Result<Facts> describe_fog(const fs::path& file) {
     std::int64_t count = 0;
     for (const Facts& row : rows) count += row.at("coefficients").get<std::int64_t>();
     facts["coefficients"] = count;
-    facts["wind"] = fog->wind;
+    if (fog->wind.constant()) {
+        const Eigen::Vector2d velocity = fog->wind.velocity(0);
+        facts["wind"] = {velocity.x(), velocity.y()};
+    } else {
+        facts["wind"] = Facts::array();
+        for (const Wind::Key& key : fog->wind.keys)
+            facts["wind"].push_back({key.seconds, key.x, key.z});
+    }
     facts["stable_family"] = fog->decomposition.family.stable();
     facts["energy_per_level"] = rows;
     return facts;

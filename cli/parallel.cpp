@@ -5,42 +5,27 @@
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cstdio>
 #include <thread>
 #include <vector>
 
 namespace wavefog::cli {
-namespace {
 
-/// Keeps a percentage on a terminal's last line; silent when stderr goes to a file.
-class Progress {
-  public:
-    Progress(std::string label, std::size_t count)
-        : label_(std::move(label)), count_(count), visible_(isatty(STDERR_FILENO) == 1) {}
-    Progress(const Progress&) = delete;
-    Progress& operator=(const Progress&) = delete;
-    ~Progress() {
-        if (shown_) fmt::print(stderr, "\r\033[K");
-    }
-    void update(std::size_t done) {
-        const auto now = std::chrono::steady_clock::now();
-        if (!visible_ || now - last_ < std::chrono::milliseconds(100)) return;
-        last_ = now;
-        shown_ = true;
-        fmt::print(stderr, "\r{}  {} %", label_, 100 * done / count_);
-        std::fflush(stderr);
-    }
+Progress::Progress(std::string label, std::size_t count)
+    : label_(std::move(label)), count_(count), visible_(isatty(STDERR_FILENO) == 1) {}
 
-  private:
-    std::string label_;
-    std::size_t count_;
-    bool visible_;
-    bool shown_ = false;
-    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
+Progress::~Progress() {
+    if (shown_) fmt::print(stderr, "\r\033[K");
+}
 
-}  // namespace
+void Progress::update(std::size_t done) {
+    const auto now = std::chrono::steady_clock::now();
+    if (!visible_ || now - last_ < std::chrono::milliseconds(100)) return;
+    last_ = now;
+    shown_ = true;
+    fmt::print(stderr, "\r{}  {} %", label_, 100 * done / count_);
+    std::fflush(stderr);
+}
 
 void parallel_chunks(const std::string& label, std::size_t count, std::size_t chunk,
                      const std::function<void(std::size_t, std::size_t)>& body) {

@@ -1,14 +1,31 @@
 // Long work over many items: all cores and a progress line.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <string>
 
 namespace wavefog::cli {
 
-/// Calls body(begin, end) over [0, count) in chunks on all cores. When stderr is a terminal, a line
-/// "label  42 %" is kept up to date there.
+/// Keeps "label  42 %" on a terminal's last line; silent when stderr goes to a file.
+class Progress {
+  public:
+    Progress(std::string label, std::size_t count);
+    Progress(const Progress&) = delete;
+    Progress& operator=(const Progress&) = delete;
+    ~Progress();
+    void update(std::size_t done);
+
+  private:
+    std::string label_;
+    std::size_t count_;
+    bool visible_;
+    bool shown_ = false;
+    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// Calls body(begin, end) over [0, count) in chunks on all cores. Shows its Progress.
 void parallel_chunks(const std::string& label, std::size_t count, std::size_t chunk,
                      const std::function<void(std::size_t, std::size_t)>& body);
 

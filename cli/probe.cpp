@@ -28,19 +28,20 @@ struct ProbeOptions {
     fs::path input, rays, output;
     Method method = {.kind = MethodKind::reference};
     std::optional<double> mu;
+    double time = 0;
 };
 
 /// A method's optical depth from O to P through one fog.
 using OpticalDepth = std::function<double(const Eigen::Vector3d&, const Eigen::Vector3d&)>;
 
-Result<OpticalDepth> evaluator(const Fog& fog, const Method& method) {
+Result<OpticalDepth> evaluator(const Fog& fog, const Method& method, double seconds) {
     if (method.kind == MethodKind::reference) {
-        auto reference = std::make_shared<Reference>(fog);
+        auto reference = std::make_shared<Reference>(fog, seconds);
         return [reference, mu = method.mu](const auto& o, const auto& p) {
             return reference->optical_depth(o, p, mu);
         };
     }
-    auto created = ShaderOnCpu::create(fog, method);
+    auto created = ShaderOnCpu::create(fog, method, seconds);
     if (!created) return tl::unexpected(created.error());
     auto shader = std::make_shared<ShaderOnCpu>(std::move(*created));
     return [shader](const auto& o, const auto& p) { return shader->optical_depth(o, p); };
@@ -80,8 +81,15 @@ Result<void> probe(const ProbeOptions& options) {
     Method method = options.method;
     method.mu = options.mu.value_or(method.mu);
     LoadNotes notes;
-    const Result<SceneFogs> loaded = load_fogs(options.input, &notes);
+    Result<SceneFogs> loaded = load_fogs(options.input, &notes);
     if (!loaded) return tl::unexpected(loaded.error());
+    if (!loaded->particles.empty())
+        return data_error(options.input.string() +
+                          ": probe knows no particles, which meet the scene's ground; use render "
+                          "--transmittance");
+    for (const MapSequence& sequence : loaded->sequences)
+        if (auto ok = SequencePlayer(sequence).show(options.time, loaded->fogs[sequence.fog]); !ok)
+            return ok;
     if (!notes.warning.empty()) warn(notes.warning);
     const Result<RayTable> table = rays_of(options.rays);
     if (!table) return tl::unexpected(table.error());
@@ -94,12 +102,13 @@ Result<void> probe(const ProbeOptions& options) {
         });
     };
     for (const Fog& fog : loaded->fogs) {
-        const auto through = evaluator(fog, method);
+        const auto through = evaluator(fog, method, options.time);
         if (!through) return tl::unexpected(through.error());
         add(*through);
     }
     if (!loaded->models.empty()) {
-        const auto through = evaluator(loaded->models, method);
+        const auto through = evaluator(
+            models_at(loaded->models, loaded->model_winds, options.time), method);
         if (!through) return tl::unexpected(through.error());
         add(*through);
     }
@@ -140,6 +149,8 @@ Command add_probe(CLI::App& root) {
         *app, "--mu", options->mu,
         [](const std::string& text) { return parse_number_in(text, 0, 1); }, "MU",
         "Detail level l counts up to |OP| * mu^l from O: 1 keeps all, 0 none (1)");
+    add_parsed(*app, "--time", options->time, parse_number, "SECONDS",
+               "When: winds have blown for so long (0)");
     app->footer(
         "Each row ox,oy,oz,px,py,pz is a segment from O to P in metres, y up; a header line is\n"
         "optional. The same rows come out with two columns more: the optical depth, the integral\n"

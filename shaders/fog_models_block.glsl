@@ -16,7 +16,7 @@ layout(std140) uniform ModelBlock {
 #endif
     vec4 limit;        // x: longest sky ray, m; y: extinction everywhere, of all models
     ivec4 count;       // x: halfspaces, y: ramp pieces, z: exponentials, w: waves
-    ivec4 count_more;  // x: polynomials, y: objects
+    ivec4 count_more;  // x: polynomials, y: objects, z: side of a tile of particles, pixels
     vec4 plane[MODEL_MAX_HALFSPACES];            // xyz: unit normal, w: the eye's height over it
     vec4 plane_density[MODEL_MAX_HALFSPACES];    // x: extinction, y: gradient, 1/m^2
     vec4 ramp[MODEL_MAX_RAMPS];                  // x: low, y: high, z: extinction at low, w: slope

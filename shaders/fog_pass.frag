@@ -1,7 +1,7 @@
 // The fog post-process for one fog, or for all that formulas give (fog_models.glsl): depth (and
 // colour) in, fogged colour or optical depth out.
 // Defines: FOG_DEGREE, FOG_PROFILE, FOG_REPEAT, FOG_SKIP, FOG_METHOD, FOG_PAPER_SCALING,
-// RADIAL_LAYERED, RADIAL_STEP; FOG_OUTPUT_TAU writes optical depth instead of colour; FOG_PREVIOUS_TAU adds the
+// RADIAL_LAYERED, RADIAL_STEP, FOG_PARTICLES; FOG_OUTPUT_TAU writes optical depth instead of colour; FOG_PREVIOUS_TAU adds the
 // optical depth of the fogs drawn before.
 // Blend: L = T L_scene + (1 - T) L_fog (paper 004, eq. 4), linear colours.
 precision highp float;
@@ -39,6 +39,11 @@ uniform sampler2D previous_tau;
 #elif FOG_METHOD == FOG_METHOD_MODELS
 #include "fog_models_block.glsl"
 #include "fog_models.glsl"
+#ifdef FOG_PARTICLES
+uniform sampler2D particle_tiles;  // where a tile's list begins and how long it is
+uniform sampler2D particle_list;   // particles, tile by tile
+#include "fog_particles.glsl"
+#endif
 #endif
 
 layout(location = 0) out vec4 result;
@@ -71,7 +76,11 @@ float optical_depth(vec2 pixel, float depth) {
         metres = farthest;
     }
 #if FOG_METHOD == FOG_METHOD_MODELS
-    return fog_models(start, path, metres);
+    float tau = fog_models(start, path, metres);
+#ifdef FOG_PARTICLES
+    tau += fog_particles(ivec2(pixel), start, path, metres);
+#endif
+    return tau;
 #elif FOG_METHOD == FOG_METHOD_HOMOGENEOUS
     return fog_homogeneous(metres);
 #elif FOG_METHOD == FOG_METHOD_NONE

@@ -5,6 +5,7 @@
 
 #include "bench/charts.h"
 #include "bench/compression.h"
+#include "bench/motion.h"
 #include "bench/measure.h"
 #include "bench/output.h"
 #include "bench/plan.h"
@@ -35,15 +36,18 @@ Result<void> check_usage(const BenchOptions& options) {
         return usage_error("bench: --from and --readme take stored results; leave the scenes out");
     if (!options.from.empty() && !options.readme.empty())
         return usage_error("bench: --readme finds its result files itself; leave --from out");
-    if (options.plan.preset == Preset::stability &&
+    const bool own_maps =
+        options.plan.preset == Preset::stability || options.plan.preset == Preset::motion;
+    if (own_maps &&
         (options.measure.seconds || options.measure.frames || options.plan.size ||
          !options.plan.methods.empty() || !options.plan.mus.empty() ||
          !options.plan.levels.empty() || !options.scenes.empty()))
         return usage_error(
-            "bench: preset stability studies maps and sizes of its own; leave out scenes, "
-            "--methods, --mu, --levels, --size, --frames and --budget");
-    const bool needs_scene = !stored && options.plan.preset != Preset::stability &&
-                             options.plan.preset != Preset::compression;
+            fmt::format("bench: preset {} studies maps and sizes of its own; leave out scenes, "
+                        "--methods, --mu, --levels, --size, --frames and --budget",
+                        preset_names[std::size_t(options.plan.preset)]));
+    const bool needs_scene =
+        !stored && !own_maps && options.plan.preset != Preset::compression;
     if (needs_scene && options.scenes.empty())
         return usage_error("bench: name a scene file, e.g. data/scenes/bench64.json");
     return {};
@@ -96,6 +100,8 @@ Result<Results> measure(const BenchOptions& options) {
     if (!context) return tl::unexpected(context.error());
     if (options.plan.preset == Preset::stability) {
         if (auto ok = study_stability(**context, results); !ok) return tl::unexpected(ok.error());
+    } else if (options.plan.preset == Preset::motion) {
+        if (auto ok = study_motion(**context, results); !ok) return tl::unexpected(ok.error());
     } else {
         const Result<std::vector<Group>> groups = plan(scenes, options.plan, results.cut);
         if (!groups) return tl::unexpected(groups.error());
@@ -191,7 +197,8 @@ Command add_bench(CLI::App& root) {
         "scale\n"
         "(the first map of each scene at 64x64 to 4096x4096, mirrored where it is smaller, from "
         "five\n"
-        "cameras), compression (.wfog files beside image codecs that are installed, on pictures).\n"
+        "cameras), compression (.wfog files beside image codecs that are installed, on pictures),\n"
+        "motion (what maps that change and particles cost a frame; needs no scene).\n"
         "Charts need gnuplot.\n"
         "\n"
         "Example:\n"

@@ -9,9 +9,9 @@
 
 namespace wavefog::cli {
 
-enum class Preset { none, speed, chart, paper_tables, stability, scale, compression };
+enum class Preset { none, speed, chart, paper_tables, stability, scale, compression, motion };
 inline const std::vector<std::string> preset_names = {
-    "none", "speed", "chart", "paper-tables", "stability", "scale", "compression"};
+    "none", "speed", "chart", "paper-tables", "stability", "scale", "compression", "motion"};
 
 /// What the command line may set; empty: the preset's own choice.
 struct PlanOptions {

@@ -4,6 +4,7 @@
 
 #include "bench/advantage.h"
 #include "bench/compression.h"
+#include "bench/motion.h"
 #include "bench/paper_tables.h"
 #include "bench/ray_promise.h"
 #include "bench/scale.h"
@@ -43,6 +44,8 @@ std::string report_text(const Results& results, bool markdown) {
     else if (results.preset() == "compression")
         text = compression_text(results.compression, markdown) + "\n" +
                ray_promise_text(results.ray_promise, markdown);
+    else if (results.preset() == "motion")
+        text = motion_text(results.motion, markdown);
     else if (results.preset() == "scale")
         text = (markdown ? "" : scale_table_text(results.rows, markdown) + "\n") +
                scale_summary_text(results.rows, markdown);

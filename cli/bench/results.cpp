@@ -139,6 +139,7 @@ Facts to_json(const Results& results) {
             {"figures", figures},
             {"compression", results.compression},
             {"ray_promise", results.ray_promise},
+            {"motion", results.motion},
             {"cut", results.cut},
             {"skipped", results.skipped}};
 }
@@ -160,6 +161,7 @@ Result<Results> read_results(const std::filesystem::path& file) {
             results.figures.push_back(figure_from(figure));
         results.compression = json.value("compression", Facts::array());
         results.ray_promise = json.value("ray_promise", Facts::array());
+        results.motion = json.value("motion", Facts::array());
         results.cut = json.at("cut").get<std::vector<std::string>>();
         results.skipped = json.at("skipped").get<std::vector<std::string>>();
         return results;

@@ -78,6 +78,7 @@ struct Results {
     std::vector<Figure> figures;         ///< of --preset stability
     Facts compression = Facts::array();  ///< runs of codecs, of --preset compression
     Facts ray_promise = Facts::array();  ///< bits by pixels and by rays, of --preset compression
+    Facts motion = Facts::array();       ///< maps and particles, of --preset motion
     std::vector<std::string> cut;        ///< what the time budget left out
     std::vector<std::string> skipped;    ///< what could not be measured, and why
 

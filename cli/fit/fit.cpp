@@ -81,8 +81,6 @@ Facts rewritten(const fs::path& input, const FitOptions& options, const FitChoic
         for (std::size_t i = 0; i < chosen.maps.fogs.size(); ++i) {
             if (chosen.maps.which[i] != map) continue;
             fog = {{"model", "wavelet"}, {"file", fog_name(options.output, map).filename()}};
-            const auto& wind = chosen.maps.fogs[i].wind;
-            if (wind[0] != 0 || wind[1] != 0) fog["wind"] = wind;
         }
         ++map;
     }
@@ -180,6 +178,9 @@ Result<void> fit(const FitOptions& options) {
     if (scene->fogs.empty())
         return data_error(options.input.string() +
                           ": the scene has no wavelet fog to fit; add one");
+    if (!scene->sequences.empty())
+        return data_error(scene->sequences.front().place +
+                          ": a map that changes cannot be fitted; give one \"image\"");
     if (auto ok = check_files(options, *scene); !ok) return ok;
     const Size size = options.size.value_or(Size{scene->width, scene->height});
     const Result<std::unique_ptr<Context>> context = create_context(options.context);

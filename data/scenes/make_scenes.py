@@ -246,6 +246,95 @@ def potentials():
                                  ["pine", "pine", "pine_young"], (0.6, 1.25), 9, 8)})
 
 
+def drift():
+    """Banks of a tiled map and thin strata of cosines, each in a wind of its own."""
+    rnd = random.Random(4)
+    eye, target = (-2900, 400, 1720), (-900, 62, 760)
+    write("drift.json", {
+        "size": [1200, 675],
+        "camera": {"eye": eye, "target": target, "up": [0, 1, 0], "fov_y_deg": 32, "near": 2,
+                   "far": 9000},
+        "sky": [0.46, 0.56, 0.76],
+        "sun": {"direction": [0.75, 0.20, -0.60], "colour": [1.5, 0.98, 0.62]},
+        "terrain": MOUNTAINS,
+        "fog_colour": [0.85, 0.80, 0.78],
+        "fog": [
+            {"model": "wavelet", "image": "../weather_coverage_512.png", "basis": "linear",
+             "rect": [-2600, -2600, 2600, 2600], "extinction": 0.05, "wrap": "repeat",
+             "height": {"profile": "exponential", "base": 100, "scale": 17},
+             "wind": [[0, 30, -12], [10, 50, 0], [20, 30, 18]]},
+            {"model": "cosines", "extinction": 0.00008, "wind": [-40, 25],
+             "waves": [{"extinction": 0.00005, "direction": [1, 0, 0.4], "frequency": 0.006},
+                       {"extinction": 0.00003, "direction": [-0.3, 0, 1], "frequency": 0.011}]}],
+        "method": {"name": "radial", "mu": 1.0},
+        "meshes": groves(rnd, 900, (-2870, 800, -1800, 1760), near_eye(eye, 60), ["pine_far"],
+                         (0.6, 1.25), 50, 45)})
+
+
+def change():
+    """A veil that closes over a clearing: two pictures, mixed in coefficient space."""
+    rnd = random.Random(5)
+    eye = (168, 10.5, 128)
+
+    def clear(x, z):
+        return math.hypot(x - eye[0], z - eye[2]) < 22 or math.hypot(x - 124, z - 82) < 9
+
+    write("change.json", {
+        "size": [1200, 675],
+        "camera": {"eye": eye, "target": (112, 5, 58), "up": [0, 1, 0], "fov_y_deg": 42,
+                   "near": 0.2, "far": 1500},
+        "sky": [0.40, 0.50, 0.66],
+        "sun": {"direction": [-0.7, 0.20, -0.55], "colour": [1.45, 0.95, 0.60]},
+        "terrain": HILLS,
+        "fog_colour": [0.76, 0.76, 0.80],
+        "fog": [{"model": "wavelet", "basis": "quadratic", "levels": 4,
+                 "images": [{"time": 0, "image": "../weather_coverage_512.png"},
+                            {"time": 8, "image": "../weather_smooth_512.png"},
+                            {"time": 16, "image": "../weather_coverage_512.png"}],
+                 "rect": [-250, -300, 350, 300], "extinction": 0.09, "wrap": "repeat",
+                 "height": {"profile": "exponential", "base": 3.5, "scale": 2.6},
+                 "wind": [1.2, -0.5]}],
+        "method": {"name": "exact", "mu": 1.0},
+        "meshes": [HUT] + groves(rnd, 300, (-20, -120, 260, 130), clear,
+                                 ["pine", "pine", "pine_young"], (0.6, 1.25), 9, 8)})
+
+
+def chimney():
+    """Smoke of a chimney in the wind, and fog that seeps out of the brook: particles."""
+    rnd = random.Random(5)
+    eye = (150, 9.5, 112)
+
+    def clear(x, z):
+        return math.hypot(x - eye[0], z - eye[2]) < 14 or math.hypot(x - 124, z - 82) < 9
+
+    def seep(x, y, z, area, seed):
+        return {"model": "particles", "source": "fog", "position": [x, y, z], "area": area,
+                "direction": [0, 1, 0], "spread_deg": 85, "speed": 0.6, "rate": 26,
+                "step": 0.3, "radius": [0.8, 4.0], "opacity": 0.03, "lift": -0.04, "drag": 0.25,
+                "wind": [-0.5, 0.35], "seed": seed}
+
+    write("chimney.json", {
+        "size": [1200, 675],
+        "camera": {"eye": eye, "target": (119, 7.2, 70), "up": [0, 1, 0], "fov_y_deg": 40,
+                   "near": 0.2, "far": 1500},
+        "sky": [0.30, 0.38, 0.56],
+        "sun": {"direction": [-0.7, 0.16, -0.55], "colour": [1.3, 0.80, 0.50]},
+        "terrain": HILLS,
+        "fog_colour": [0.70, 0.71, 0.77],
+        "fog": [{"model": "particles", "source": "smoke", "position": [124.3, 9.75, 80.24], "area": 0.3,
+                 "direction": [0, 1, 0], "spread_deg": 14, "speed": 1.6, "rate": 60,
+                 "life": [8, 16], "step": 1.0, "radius": [0.25, 2.3], "opacity": 0.15,
+                 "lift": 0.04, "drag": 0.3, "wind": [[0, -1.2, 0.5], [8, -0.5, 1.1], [16, -1.2, 0.5]],
+                 "seed": 3},
+                seep(140, 3.5, 80, 5, 11), seep(131, 3.5, 92, 5, 12), seep(112, 4, 58, 8, 13),
+                seep(96, 4, 52, 8, 14),
+                {"model": "layers", "profile": "exponential", "extinction": 0.0016, "base": 4,
+                 "scale": 18}],
+        "method": {"name": "exact", "mu": 1.0},
+        "meshes": [HUT] + groves(rnd, 300, (-20, -120, 260, 130), clear,
+                                 ["pine", "pine", "pine_young"], (0.6, 1.25), 9, 8)})
+
+
 if __name__ == "__main__":
     valley()
     inside()
@@ -254,3 +343,6 @@ if __name__ == "__main__":
     cosines()
     polynomials()
     potentials()
+    drift()
+    change()
+    chimney()

@@ -55,6 +55,15 @@ Result<void> Profile::validate() const {
     return {};
 }
 
+Eigen::Vector2d wind_offset(const Wind& wind, const Rect& rect, Boundary boundary,
+                            double seconds) {
+    Eigen::Vector2d metres = wind.offset(seconds);
+    if (boundary == Boundary::repeat)
+        metres = {std::remainder(metres.x(), rect.x1 - rect.x0),
+                  std::remainder(metres.y(), rect.z1 - rect.z0)};
+    return metres;
+}
+
 Result<void> Fog::validate() const {
     if (!(std::isfinite(rect.x0) && std::isfinite(rect.x1) && rect.x0 < rect.x1 &&
           std::isfinite(rect.z0) && std::isfinite(rect.z1) && rect.z0 < rect.z1))
@@ -68,9 +77,7 @@ Result<void> Fog::validate() const {
         return data_error(fmt::format("extinction is {}; it must be 0 or more (1/m)", extinction));
     if (auto ok = profile.validate(); !ok)
         return data_error("height profile: " + ok.error().message);
-    if (!std::isfinite(wind[0]) || !std::isfinite(wind[1]))
-        return data_error(
-            fmt::format("wind is [{}, {}]; both must be finite (m/s)", wind[0], wind[1]));
+    if (auto ok = wind.validate(); !ok) return data_error("wind" + ok.error().message);
     if (degree() < 0 || degree() > kMaxDegree)
         return data_error(
             fmt::format("spline degree is {}; it must be 0 to {}", degree(), kMaxDegree));

@@ -98,7 +98,7 @@ json write_meta(const FogMeta& meta) {
             {"rect", {fog.rect.x0, fog.rect.z0, fog.rect.x1, fog.rect.z1}},
             {"extinction", fog.extinction},
             {"height", write_profile(fog.profile)},
-            {"wind", {fog.wind[0], fog.wind[1]}},
+            {"wind", write_wind(fog.wind)},
             {"textures", textures}};
 }
 
@@ -143,8 +143,7 @@ FogMeta read_meta(const JsonValue& value) {
     fog.rect = value.key("rect").rect();
     fog.extinction = value.key("extinction").number(0, HUGE_VAL);
     fog.profile = read_profile(value.key("height"));
-    const auto wind = value.key("wind").numbers(2);
-    fog.wind = {wind[0], wind[1]};
+    fog.wind = read_wind(value.key("wind"));
 
     const JsonValue textures = value.key("textures");
     for (const JsonValue& entry : textures.items()) {

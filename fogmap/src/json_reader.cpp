@@ -67,9 +67,12 @@ Result<json> parse_json(const std::string& text, const std::string& file) {
     }
 }
 
+std::string JsonValue::place() const {
+    return path_.empty() ? *file_ : fmt::format("{}: {}", *file_, path_);
+}
+
 void JsonValue::fail(const std::string& what) const {
-    throw JsonFailure{{ErrorKind::data,
-                       fmt::format("{}: {}{}{}", *file_, path_, path_.empty() ? "" : ": ", what)}};
+    throw JsonFailure{{ErrorKind::data, fmt::format("{}: {}", place(), what)}};
 }
 
 JsonValue JsonValue::child(std::string_view name, const json& value) const {
@@ -219,6 +222,34 @@ json write_profile(const Profile& profile) {
             break;
     }
     return {{"profile", "linear"}, {"base", profile.base}, {"top", profile.top}};
+}
+
+Wind read_wind(const JsonValue& value) {
+    const auto items = value.items();
+    Wind wind;
+    if (items.size() == 2 && !items[0].is_list()) {
+        const auto v = value.numbers(2);
+        if (v[0] != 0 || v[1] != 0) wind = {v[0], v[1]};
+    } else {
+        if (items.empty() || !items[0].is_list())
+            value.fail(fmt::format("has {} entries; it must be [vx, vz] in m/s, or a list of [t, vx, "
+                                   "vz] where it changes in time",
+                                   items.size()));
+        for (const JsonValue& item : items) {
+            const auto v = item.numbers(3);
+            wind.keys.push_back({v[0], v[1], v[2]});
+        }
+    }
+    if (const auto ok = wind.validate(); !ok) value.fail(ok.error().message);
+    return wind;
+}
+
+json write_wind(const Wind& wind) {
+    if (wind.keys.empty()) return {0, 0};
+    if (wind.constant()) return {wind.keys[0].x, wind.keys[0].z};
+    json keys = json::array();
+    for (const Wind::Key& key : wind.keys) keys.push_back({key.seconds, key.x, key.z});
+    return keys;
 }
 
 }  // namespace wavefog::detail

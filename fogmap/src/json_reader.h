@@ -48,7 +48,10 @@ class JsonValue {
     std::vector<double> numbers(std::size_t count) const;
     Eigen::Vector3d vector3() const;
     Rect rect() const;
+    /// "FILE: path", as in messages.
+    std::string place() const;
     bool is_text() const { return value_->is_string(); }
+    bool is_list() const { return value_->is_array(); }
 
   private:
     JsonValue child(std::string_view name, const nlohmann::json& value) const;
@@ -61,5 +64,9 @@ class JsonValue {
 /// {"profile": "exponential", "base": 0, "scale": 8} and the like.
 Profile read_profile(const JsonValue& value);
 nlohmann::json write_profile(const Profile& profile);
+
+/// [vx, vz], or [[t, vx, vz], ...] where it changes; m/s and seconds.
+Wind read_wind(const JsonValue& value);
+nlohmann::json write_wind(const Wind& wind);
 
 }  // namespace wavefog::detail

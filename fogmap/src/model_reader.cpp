@@ -19,7 +19,7 @@ double number_or(const JsonValue& value, const char* key, double otherwise) {
 }
 
 Halfspace read_halfspace(const JsonValue& value) {
-    value.only({"model", "normal", "point", "extinction", "gradient"});
+    value.only({"model", "wind", "normal", "point", "extinction", "gradient"});
     if (!value.find("extinction") && !value.find("gradient"))
         value.fail(
             "needs \"extinction\" (1/m), \"gradient\" (1/m for each metre of depth), or both");
@@ -30,7 +30,7 @@ Halfspace read_halfspace(const JsonValue& value) {
 FogModel read_layers(const JsonValue& value) {
     switch (value.key("profile").choice({"ramp", "exponential", "depth"})) {
         case 0: {
-            value.only({"model", "profile", "points"});
+            value.only({"model", "wind", "profile", "points"});
             Ramp fog;
             for (const JsonValue& point : value.key("points").items()) {
                 const auto v = point.numbers(2);
@@ -39,12 +39,12 @@ FogModel read_layers(const JsonValue& value) {
             return fog;
         }
         case 1:
-            value.only({"model", "profile", "extinction", "base", "scale"});
+            value.only({"model", "wind", "profile", "extinction", "base", "scale"});
             return ExponentialLayer{value.key("extinction").number(), value.key("base").number(),
                                     value.key("scale").number()};
         default:
             // Denser with depth, as water is: a halfspace whose plane is level.
-            value.only({"model", "profile", "surface", "gradient"});
+            value.only({"model", "wind", "profile", "surface", "gradient"});
             return Halfspace{{0, 1, 0},
                              {0, value.key("surface").number(), 0},
                              0,
@@ -53,7 +53,7 @@ FogModel read_layers(const JsonValue& value) {
 }
 
 Cosines read_cosines(const JsonValue& value) {
-    value.only({"model", "extinction", "waves"});
+    value.only({"model", "wind", "extinction", "waves"});
     Cosines fog;
     fog.extinction = value.key("extinction").number();
     for (const JsonValue& wave : value.key("waves").items()) {
@@ -65,7 +65,7 @@ Cosines read_cosines(const JsonValue& value) {
 }
 
 Polynomials read_polynomials(const JsonValue& value) {
-    value.only({"model", "polynomials"});
+    value.only({"model", "wind", "polynomials"});
     Polynomials fog;
     for (const JsonValue& item : value.key("polynomials").items()) {
         item.only({"extinction", "coefficients", "direction", "centre", "half_width", "outside"});
@@ -113,7 +113,7 @@ Potentials::Object read_object(const JsonValue& value) {
 }
 
 Potentials read_potentials(const JsonValue& value) {
-    value.only({"model", "extinction", "objects"});
+    value.only({"model", "wind", "extinction", "objects"});
     Potentials fog;
     fog.extinction = number_or(value, "extinction", 0);
     for (const JsonValue& object : value.key("objects").items())
@@ -123,7 +123,7 @@ Potentials read_potentials(const JsonValue& value) {
 
 FogModel read_unchecked(const JsonValue& value) {
     switch (value.key("model").choice(
-        {"wavelet", "halfspace", "layers", "cosines", "polynomials", "potentials"})) {
+        {"wavelet", "halfspace", "layers", "cosines", "polynomials", "potentials", "particles"})) {
         case 1:
             return read_halfspace(value);
         case 2:

@@ -79,22 +79,27 @@ struct Reference::Line {
     double y(double t) const { return y0 + t * dy; }
 
     Line(const Reference& map, const Eigen::Vector3d& from, const Eigen::Vector3d& along)
-        : u0((from.x() - map.rect_.x0) / map.cell_x_ + map.degree_ / 2.0),
-          v0((from.z() - map.rect_.z0) / map.cell_z_ + map.degree_ / 2.0),
+        : u0((from.x() - map.origin_x_) / map.cell_x_ + map.degree_ / 2.0),
+          v0((from.z() - map.origin_z_) / map.cell_z_ + map.degree_ / 2.0),
           y0(from.y()),
           du(along.x() / map.cell_x_),
           dv(along.z() / map.cell_z_),
           dy(along.y()) {}
 };
 
-Reference::Reference(const Fog& fog)
-    : rect_(fog.rect),
+Reference::Reference(const Fog& fog, double seconds)
+    : origin_x_(fog.rect.x0),
+      origin_z_(fog.rect.z0),
       cell_x_(fog.cell_x()),
       cell_z_(fog.cell_z()),
       extinction_(fog.extinction),
       profile_(fog.profile),
       degree_(fog.degree()),
       pyramid_(approximations(widened(fog.decomposition))) {
+    const Eigen::Vector2d moved =
+        wind_offset(fog.wind, fog.rect, fog.decomposition.boundary, seconds);
+    origin_x_ += moved.x();
+    origin_z_ += moved.y();
     const Eigen::MatrixXd pieces = bspline_pieces(degree_);
     for (int p = 0; p <= degree_; ++p)
         for (int n = 0; n <= degree_; ++n) pieces_.push_back(pieces(n, p));

@@ -11,6 +11,7 @@
 #include "file_io.h"
 #include "json_reader.h"
 #include "model_reader.h"
+#include "particles_reader.h"
 #include "wavefog/fogmap/fog_file.h"
 
 namespace wavefog {
@@ -141,8 +142,12 @@ MeshInstance read_mesh(const JsonValue& value, const fs::path& directory) {
     return mesh;
 }
 
-Fog read_image_fog(const JsonValue& value, const fs::path& directory) {
-    const JsonValue image = value.key("image");
+struct ImageOptions {
+    ReadOptions read;
+    FogOptions fog;
+};
+
+ImageOptions read_image_options(const JsonValue& value) {
     ReadOptions read;
     if (const auto channel = value.find("channel")) read.channel = channel->text();
     if (const auto sanitize = value.find("sanitize")) read.sanitize = sanitize->boolean();
@@ -169,17 +174,45 @@ Fog read_image_fog(const JsonValue& value, const fs::path& directory) {
     // read.
     value.key("rect").rect();
     value.key("extinction").number(0, kInfinity);
-
-    const Fogmap map = value_or_fail(read_fogmap(existing_file(image, directory), read), image);
-    return value_or_fail(make_fog(map.pixels, options), value);
+    return {read, options};
 }
 
-Fog read_fog(const JsonValue& value, const fs::path& directory) {
-    value.only({"model", "image", "file", "channel", "basis", "family", "form", "levels", "rect",
+Fog read_image_fog(const JsonValue& value, const fs::path& directory) {
+    const JsonValue image = value.key("image");
+    const ImageOptions options = read_image_options(value);
+    const Fogmap map =
+        value_or_fail(read_fogmap(existing_file(image, directory), options.read), image);
+    return value_or_fail(make_fog(map.pixels, options.fog), value);
+}
+
+/// "images": [{"time": 0, "image": "a.png"}, ...].
+MapSequence read_sequence(const JsonValue& value, const fs::path& directory) {
+    const JsonValue images = value.key("images");
+    const ImageOptions options = read_image_options(value);
+    MapSequence sequence{{}, options.read, options.fog, 0, images.place()};
+    for (const JsonValue& item : images.items()) {
+        item.only({"time", "image"});
+        const JsonValue time = item.key("time");
+        sequence.keys.push_back({time.number(), existing_file(item.key("image"), directory)});
+        if (const std::size_t n = sequence.keys.size();
+            n > 1 && !(sequence.keys[n - 2].seconds < sequence.keys[n - 1].seconds))
+            time.fail("is not after the one before; times must ascend");
+    }
+    if (sequence.keys.empty()) images.fail("is empty; give at least one picture");
+    return sequence;
+}
+
+/// A map that changes is also added to `sequences`.
+Fog read_fog(const JsonValue& value, const fs::path& directory,
+             std::vector<MapSequence>& sequences) {
+    value.only({"model", "image", "images", "file", "channel", "basis", "family", "form", "levels", "rect",
                 "extinction", "height", "wind", "wrap", "sanitize"});
     const auto file = value.find("file");
-    if (file.has_value() == value.find("image").has_value())
-        value.fail("needs either \"image\" (a picture) or \"file\" (a fog file), and not both");
+    const bool changes = value.find("images").has_value();
+    if (int(file.has_value()) + int(changes) + int(value.find("image").has_value()) != 1)
+        value.fail(
+            "needs either \"image\" (a picture), \"images\" (pictures at times) or \"file\" (a fog "
+            "file), and not both");
 
     Fog fog;
     if (file) {
@@ -187,6 +220,10 @@ Fog read_fog(const JsonValue& value, const fs::path& directory) {
             if (const auto fixed = value.find(key))
                 fixed->fail("is fixed by the fog file; remove the key, or convert the map again");
         fog = value_or_fail(load_fog(directory / file->text()), *file);
+    } else if (changes) {
+        sequences.push_back(read_sequence(value, directory));
+        if (const auto ok = SequencePlayer(sequences.back()).show(0, fog); !ok)
+            throw JsonFailure{ok.error()};
     } else {
         fog = read_image_fog(value, directory);
     }
@@ -194,10 +231,7 @@ Fog read_fog(const JsonValue& value, const fs::path& directory) {
     if (const auto extinction = value.find("extinction"))
         fog.extinction = extinction->number(0, kInfinity);
     if (const auto height = value.find("height")) fog.profile = detail::read_profile(*height);
-    if (const auto wind = value.find("wind")) {
-        const auto v = wind->numbers(2);
-        fog.wind = {v[0], v[1]};
-    }
+    if (const auto wind = value.find("wind")) fog.wind = detail::read_wind(*wind);
     if (const auto ok = fog.validate(); !ok) value.fail(ok.error().message);
     return fog;
 }
@@ -240,10 +274,18 @@ Scene read_scene(const JsonValue& root, const fs::path& directory) {
     if (const auto fogs = root.find("fog"))
         for (const JsonValue& fog : fogs->items()) {
             const auto model = fog.find("model");
-            if (!model || model->text() == "wavelet")
-                scene.fogs.push_back(read_fog(fog, directory));
-            else
+            if (!model || model->text() == "wavelet") {
+                const std::size_t before = scene.sequences.size();
+                scene.fogs.push_back(read_fog(fog, directory, scene.sequences));
+                if (scene.sequences.size() > before)
+                    scene.sequences.back().fog = scene.fogs.size() - 1;
+            } else if (model->text() == "particles") {
+                scene.particles.push_back(detail::read_particles(fog));
+            } else {
                 scene.models.push_back(detail::read_model(fog));
+                const auto wind = fog.find("wind");
+                scene.model_winds.push_back(wind ? detail::read_wind(*wind) : Wind{});
+            }
         }
     return scene;
 }
@@ -283,18 +325,20 @@ Result<SceneFogs> load_fogs(const fs::path& file, LoadNotes* notes) {
     if (is_fog_file(file)) {
         auto fog = load_fog(file, notes);
         if (!fog) return tl::unexpected(fog.error());
-        return SceneFogs{{std::move(*fog)}, {}};
+        return SceneFogs{{std::move(*fog)}, {}, {}, {}, {}};
     }
     if (detail::lower_extension(file) == ".json") {
         auto scene = load_scene(file);
         if (!scene) return tl::unexpected(scene.error());
-        return SceneFogs{std::move(scene->fogs), std::move(scene->models)};
+        return SceneFogs{std::move(scene->fogs), std::move(scene->models),
+                         std::move(scene->model_winds), std::move(scene->sequences),
+                         std::move(scene->particles)};
     }
     const auto map = read_fogmap(file);
     if (!map) return tl::unexpected(map.error());
     auto fog = make_fog(map->pixels, {});
     if (!fog) return data_error(fmt::format("{}: {}", file.string(), fog.error().message));
-    return SceneFogs{{std::move(*fog)}, {}};
+    return SceneFogs{{std::move(*fog)}, {}, {}, {}, {}};
 }
 
 }  // namespace wavefog

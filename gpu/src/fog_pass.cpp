@@ -112,6 +112,17 @@ struct FogPass::Impl {
          const Eigen::Vector3d& colour)
         : gl(functions), fogs(std::move(drawn)), method(with), fog_colour(colour) {}
 
+    Result<void> make_paper() {
+        paper.clear();
+        if (method.kind != MethodKind::paper && method.kind != MethodKind::paper_scaling) return {};
+        for (const FogTextures* fog : fogs) {
+            auto textures = make_paper_textures(gl, *fog->impl_, method);
+            if (!textures) return tl::unexpected(textures.error());
+            paper.push_back(std::move(*textures));
+        }
+        return {};
+    }
+
     Result<Program> build(const Method& with, std::size_t fog, bool colour) const {
         std::vector<std::string> defines = {
             fmt::format("FOG_METHOD {}", method_number(with, !fogs.empty()))};
@@ -230,14 +241,15 @@ FogPass::~FogPass() = default;
 
 Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fogs,
                                 const Method& method, const Eigen::Vector3d& fog_colour,
-                                std::vector<FogModel> models) {
+                                std::vector<FogModel> models, bool with_particles) {
     if (method.kind == MethodKind::reference)
         return usage_error(
             "method reference runs on the CPU (class Reference); the fog pass draws "
             "exact, radial, paper, paper-scaling, march:N, froxel:XxYxZ or homogeneous");
     auto impl = std::make_unique<Impl>(gl, std::move(fogs), method, fog_colour);
-    if (!models.empty()) {
-        auto pass = ModelPass::create(gl, std::move(models), !impl->fogs.empty(), fog_colour);
+    if (!models.empty() || with_particles) {
+        auto pass = ModelPass::create(gl, std::move(models), !impl->fogs.empty(), fog_colour,
+                                      with_particles);
         if (!pass) return tl::unexpected(pass.error());
         impl->models.emplace(std::move(*pass));
     }
@@ -250,12 +262,7 @@ Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fo
         impl->froxels.emplace(std::move(*volume));
         return FogPass(std::move(impl));
     }
-    if (method.kind == MethodKind::paper || method.kind == MethodKind::paper_scaling)
-        for (const FogTextures* fog : impl->fogs) {
-            auto textures = make_paper_textures(gl, *fog->impl_, method);
-            if (!textures) return tl::unexpected(textures.error());
-            impl->paper.push_back(std::move(*textures));
-        }
+    if (auto made = impl->make_paper(); !made) return tl::unexpected(made.error());
     if (method.kind == MethodKind::radial && !impl->fogs.empty()) {
         std::vector<RadialFog> maps;
         for (const FogTextures* fog : impl->fogs)
@@ -304,6 +311,21 @@ std::size_t FogPass::bytes() const {
 
 Result<void> FogPass::set_views(const std::vector<FogView>& views) {
     return impl_->radial ? impl_->radial->set_views(views) : Result<void>{};
+}
+
+Result<void> FogPass::set_models(std::vector<FogModel> models) {
+    if (impl_->models) return impl_->models->set_models(std::move(models));
+    return usage_error("the fog pass was made without formulas; make one with them");
+}
+
+Result<void> FogPass::set_particles(std::vector<Particle> particles) {
+    if (impl_->models) return impl_->models->set_particles(std::move(particles));
+    return usage_error("the fog pass was made without particles; make one with them");
+}
+
+Result<void> FogPass::fogs_changed() {
+    forget();
+    return impl_->make_paper();
 }
 
 std::size_t FogPass::table_fills() const {

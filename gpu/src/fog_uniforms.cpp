@@ -71,8 +71,9 @@ shader::FogBlock fog_block(const FogFacts& fog, const Eigen::Vector3d& eye, doub
     shader::FogBlock block{};
     const double cell_x = (fog.rect.x1 - fog.rect.x0) / fog.width;
     const double cell_z = (fog.rect.z1 - fog.rect.z0) / fog.height;
-    const double u = (eye.x() - fog.rect.x0 - fog.wind[0] * seconds) / cell_x + fog.degree / 2.0;
-    const double v = (eye.z() - fog.rect.z0 - fog.wind[1] * seconds) / cell_z + fog.degree / 2.0;
+    const Eigen::Vector2d moved = wind_offset(fog.wind, fog.rect, fog.boundary, seconds);
+    const double u = (eye.x() - fog.rect.x0 - moved.x()) / cell_x + fog.degree / 2.0;
+    const double v = (eye.z() - fog.rect.z0 - moved.y()) / cell_z + fog.degree / 2.0;
     // Beyond 2^23 cells an int would still do but a float would not count them.
     const auto base = [](double c) { return std::clamp(std::floor(c), -8388608.0, 8388608.0); };
     double eta_per_metre = 0, datum = 0;

@@ -15,7 +15,7 @@ namespace wavefog {
 struct FogFacts {
     Rect rect;
     Profile profile;
-    std::array<double, 2> wind = {0, 0};
+    Wind wind;
     double extinction = 1;
     int degree = 1;
     Boundary boundary = Boundary::zero;

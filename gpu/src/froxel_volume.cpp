@@ -72,9 +72,9 @@ void add_fog_box(const FogFacts& fog, const Eigen::Vector3d& eye, double seconds
         // The bilinear map ends half a pixel beyond the rectangle at every degree.
         const double x = 0.5 * (fog.rect.x1 - fog.rect.x0) / fog.width;
         const double z = 0.5 * (fog.rect.z1 - fog.rect.z0) / fog.height;
-        const double moved_x = fog.wind[0] * seconds, moved_z = fog.wind[1] * seconds;
-        between(0, fog.rect.x0 + moved_x - x, fog.rect.x1 + moved_x + x);
-        between(2, fog.rect.z0 + moved_z - z, fog.rect.z1 + moved_z + z);
+        const Eigen::Vector2d moved = wind_offset(fog.wind, fog.rect, fog.boundary, seconds);
+        between(0, fog.rect.x0 + moved.x() - x, fog.rect.x1 + moved.x() + x);
+        between(2, fog.rect.z0 + moved.y() - z, fog.rect.z1 + moved.y() + z);
     }
     const auto& profile = fog.profile;
     switch (profile.kind) {

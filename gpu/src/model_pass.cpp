@@ -10,13 +10,15 @@ namespace {
 
 constexpr GLuint kModelBinding = 0, kViewBinding = 1;
 // Texture units of the samplers of fog_pass.frag that this pass reads.
-constexpr UnitOf kSamplers[] = {{"scene_depth", 0}, {"scene_colour", 1}, {"previous_tau", 2}};
+constexpr UnitOf kSamplers[] = {{"scene_depth", 0}, {"scene_colour", 1}, {"previous_tau", 2},
+                                {"particle_tiles", 3}, {"particle_list", 4}};
 constexpr BindingOf kBlocks[] = {{"ModelBlock", kModelBinding}, {"ViewBlock", kViewBinding}};
 
-Result<Program> make_program(const Gl& gl, bool after_maps, bool colour) {
+Result<Program> make_program(const Gl& gl, bool after_maps, bool particles, bool colour) {
     // FOG_METHOD_MODELS of fog_pass.frag.
     std::vector<std::string> defines = {"FOG_METHOD 6", "FOG_DEGREE 0", "FOG_PROFILE 0"};
     if (!colour) defines.push_back("FOG_OUTPUT_TAU");
+    if (particles) defines.push_back("FOG_PARTICLES");
     if (after_maps) defines.push_back("FOG_PREVIOUS_TAU");
     auto program = build_program(gl, "post_fullscreen.vert", "fog_pass.frag", defines);
     if (program) connect_inputs(gl, *program, kSamplers, kBlocks);
@@ -38,15 +40,29 @@ ModelPass::ModelPass(const Gl& gl, std::vector<FogModel> models, bool after_maps
       vertices_(make_vertex_array(gl)) {}
 
 Result<ModelPass> ModelPass::create(const Gl& gl, std::vector<FogModel> models, bool after_maps,
-                                    const Eigen::Vector3d& fog_colour) {
+                                    const Eigen::Vector3d& fog_colour, bool with_particles) {
     if (auto ok = check_models(models); !ok) return tl::unexpected(ok.error());
     ModelPass pass(gl, std::move(models), after_maps, fog_colour);
+    if (with_particles) pass.particles_.emplace(gl);
     for (auto [program, colour] : {std::pair{&pass.colour_, true}, {&pass.optical_depth_, false}}) {
-        auto made = make_program(gl, after_maps, colour);
+        auto made = make_program(gl, after_maps, with_particles, colour);
         if (!made) return tl::unexpected(made.error());
         *program = *std::move(made);
     }
     return pass;
+}
+
+Result<void> ModelPass::set_models(std::vector<FogModel> models) {
+    if (auto ok = check_models(models); !ok) return ok;
+    models_ = std::move(models);
+    return {};
+}
+
+Result<void> ModelPass::set_particles(std::vector<Particle> particles) {
+    if (!particles_)
+        return usage_error("the fog pass was made without particles; make one with them");
+    particles_->set(std::move(particles));
+    return {};
 }
 
 GLuint ModelPass::maps_target(const FrameTarget& frame) {
@@ -61,11 +77,13 @@ GLuint ModelPass::maps_target(const FrameTarget& frame) {
 }
 
 void ModelPass::draw(const FrameTarget& frame, const Camera& camera, GLuint output,
-                     bool colour) const {
+                     bool colour) {
     const Gl& gl = *gl_;
-    upload_uniforms(gl, model_uniforms_, kModelBinding,
-                    model_block(models_, camera.eye, sky_limit(camera)));
     const auto matrices = camera_matrices(camera, frame.width, frame.height);
+    auto block = model_block(models_, camera.eye, sky_limit(camera));
+    if (particles_)
+        block.count_more.z = particles_->upload(camera, matrices, frame.width, frame.height);
+    upload_uniforms(gl, model_uniforms_, kModelBinding, block);
     upload_uniforms(gl, view_uniforms_, kViewBinding,
                     view_block(matrices, camera, frame.width, frame.height, fog_colour_, 0));
     gl.BindFramebuffer(GL_FRAMEBUFFER, output);
@@ -78,11 +96,15 @@ void ModelPass::draw(const FrameTarget& frame, const Camera& camera, GLuint outp
         gl.ActiveTexture(GL_TEXTURE0 + unit);
         gl.BindTexture(GL_TEXTURE_2D, texture);
     };
+    if (particles_) {
+        bind_texture(4, particles_->list());
+        bind_texture(3, particles_->tiles());
+    }
     if (after_maps_) bind_texture(2, maps_.name());
     bind_texture(1, frame.colour.name());
     bind_texture(0, frame.depth.name());
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
-    for (const GLuint unit : {2u, 1u, 0u}) bind_texture(unit, 0);
+    for (const GLuint unit : {4u, 3u, 2u, 1u, 0u}) bind_texture(unit, 0);
     gl.BindVertexArray(0);
     gl.UseProgram(0);
 }

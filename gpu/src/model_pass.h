@@ -1,27 +1,34 @@
 // The pass that adds fogs given by formulas to the optical depth of the maps.
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "particle_tiles.h"
 #include "wavefog/fogmap/models.h"
 #include "wavefog/fogmap/scene.h"
 #include "wavefog/gpu/frame.h"
 
 namespace wavefog {
 
-/// All models in one draw; it comes after the maps and blends colour once for both.
+/// All models and particles in one draw; it comes after the maps and blends colour once for both.
 class ModelPass {
   public:
     /// A data error says which model is invalid, or what there is too much of. `after_maps`: a
     /// previous optical depth is added.
     static Result<ModelPass> create(const Gl& gl, std::vector<FogModel> models, bool after_maps,
-                                    const Eigen::Vector3d& fog_colour);
+                                    const Eigen::Vector3d& fog_colour, bool with_particles);
+
+    /// A data error as from create().
+    Result<void> set_models(std::vector<FogModel> models);
+    /// A usage error if the pass was made without.
+    Result<void> set_particles(std::vector<Particle> particles);
 
     /// The R32F target for the maps' optical depth, of the frame's size.
     GLuint maps_target(const FrameTarget& frame);
 
     /// Draws colour or optical depth; what maps_target() holds is added if there are maps.
-    void draw(const FrameTarget& frame, const Camera& camera, GLuint output, bool colour) const;
+    void draw(const FrameTarget& frame, const Camera& camera, GLuint output, bool colour);
 
   private:
     ModelPass(const Gl& gl, std::vector<FogModel> models, bool after_maps,
@@ -29,6 +36,7 @@ class ModelPass {
 
     const Gl* gl_;
     std::vector<FogModel> models_;
+    std::optional<ParticleTextures> particles_;
     bool after_maps_;
     Eigen::Vector3d fog_colour_;
     Program colour_, optical_depth_;

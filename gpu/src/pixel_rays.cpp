@@ -58,9 +58,11 @@ PixelRay PixelRays::at(double x, double y_from_top, double depth) const {
 }
 
 double PixelRays::optical_depth(const std::vector<Reference>& fogs, const PixelRay& ray, double mu,
-                                const std::vector<FogModel>& models) const {
+                                const std::vector<FogModel>& models,
+                                const std::vector<Particle>& particles) const {
     const Eigen::Vector3d path = (ray.end - ray.origin) * (ray.sky ? sky_limit_ : 1);
-    double sum = wavefog::optical_depth(models, ray.origin, ray.origin + path);
+    double sum = wavefog::optical_depth(models, ray.origin, ray.origin + path) +
+                 wavefog::optical_depth(particles, ray.origin, ray.origin + path);
     for (const Reference& fog : fogs) {
         Eigen::Vector3d end = ray.end;
         if (ray.sky) {

@@ -68,10 +68,11 @@ Polygon clip(const Polygon& polygon, const Vector2d& edge, double side) {
 Polygon fog_box(const FogFacts& fog, const Eigen::Vector3d& eye, double seconds) {
     const double margin_x = (fog.rect.x1 - fog.rect.x0) / fog.width * fog.degree / 2;
     const double margin_z = (fog.rect.z1 - fog.rect.z0) / fog.height * fog.degree / 2;
-    const double x0 = fog.rect.x0 - margin_x + fog.wind[0] * seconds - eye.x();
-    const double x1 = fog.rect.x1 + margin_x + fog.wind[0] * seconds - eye.x();
-    const double z0 = fog.rect.z0 - margin_z + fog.wind[1] * seconds - eye.z();
-    const double z1 = fog.rect.z1 + margin_z + fog.wind[1] * seconds - eye.z();
+    const Eigen::Vector2d moved = wind_offset(fog.wind, fog.rect, fog.boundary, seconds);
+    const double x0 = fog.rect.x0 - margin_x + moved.x() - eye.x();
+    const double x1 = fog.rect.x1 + margin_x + moved.x() - eye.x();
+    const double z0 = fog.rect.z0 - margin_z + moved.y() - eye.z();
+    const double z1 = fog.rect.z1 + margin_z + moved.y() - eye.z();
     return {{x0, z0}, {x1, z0}, {x1, z1}, {x0, z1}};
 }
 

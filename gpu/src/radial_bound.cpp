@@ -238,9 +238,11 @@ std::optional<double> radial_bound_around(const Fog& fog, const DetailBound& dro
     const Eigen::Vector2d cell(fog.cell_x(), fog.cell_z());
     const CellRanges ranges(pyramid.levels.back(), fog.degree(), fog.decomposition.boundary, cell,
                             fog.extinction);
+    const Eigen::Vector2d moved =
+        wind_offset(fog.wind, fog.rect, fog.decomposition.boundary, seconds);
     const Eigen::Vector2d place(
-        (eye.x() - fog.rect.x0 - fog.wind[0] * seconds) / cell.x() + fog.degree() / 2.0,
-        (eye.z() - fog.rect.z0 - fog.wind[1] * seconds) / cell.y() + fog.degree() / 2.0);
+        (eye.x() - fog.rect.x0 - moved.x()) / cell.x() + fog.degree() / 2.0,
+        (eye.z() - fog.rect.z0 - moved.y()) / cell.y() + fog.degree() / 2.0);
     const bool uniform = fog.profile.kind == Profile::Kind::uniform;
     RadialWedges wedges(ranges, dropped, radial_block(facts, eye, view, seconds, limit, shape),
                         place, 0, uniform ? shape.stop() : std::numeric_limits<double>::infinity());

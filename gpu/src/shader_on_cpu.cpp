@@ -33,6 +33,7 @@ struct ShaderOnCpu::Impl {
     Grid<float> map;
     FogFacts facts;
     Method method;
+    double seconds = 0;
     std::optional<PaperData> paper;
     RadialShape radial_shape;
     std::mutex radial_mutex;
@@ -84,7 +85,7 @@ double fog_entry(const FogFacts& fog, const Eigen::Vector3d& o, const Eigen::Vec
 
 ShaderOnCpu::ShaderOnCpu(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
-Result<ShaderOnCpu> ShaderOnCpu::create(const Fog& fog, const Method& method) {
+Result<ShaderOnCpu> ShaderOnCpu::create(const Fog& fog, const Method& method, double seconds) {
     if (method.kind == MethodKind::reference || method.kind == MethodKind::froxel)
         return usage_error("method " + method.name() +
                            ": has no shader for single rays; choose exact, radial, paper, "
@@ -96,6 +97,7 @@ Result<ShaderOnCpu> ShaderOnCpu::create(const Fog& fog, const Method& method) {
     impl->map = pyramid.levels.back().values / static_cast<float>(impl->atlas.density_scale);
     impl->facts = fog_facts(fog, impl->atlas);
     impl->method = method;
+    impl->seconds = seconds;
     if (method.kind == MethodKind::paper || method.kind == MethodKind::paper_scaling) {
         auto data = make_paper_data(fog.decomposition, method, impl->atlas.density_scale);
         if (!data) return tl::unexpected(data.error());
@@ -117,7 +119,7 @@ std::shared_ptr<const RadialOnCpu> ShaderOnCpu::Impl::radial_around(const Eigen:
     if (radial && radial->eye == eye) return radial;
     auto table = std::make_shared<RadialOnCpu>();
     table->eye = eye;
-    table->block = radial_block(facts, eye, {}, 0, kRadialReach, radial_shape);
+    table->block = radial_block(facts, eye, {}, seconds, kRadialReach, radial_shape);
     table->texels.resize(static_cast<std::size_t>(radial_shape.columns) *
                          static_cast<std::size_t>(radial_shape.rows * radial_shape.layers));
     shader::radial = table->block;
@@ -136,10 +138,12 @@ double ShaderOnCpu::optical_depth(const Eigen::Vector3d& o, const Eigen::Vector3
     // Rays of homogeneous know no map, those of radial are counted from the eye.
     const MethodKind kind = impl_->method.kind;
     const bool whole = kind == MethodKind::homogeneous || kind == MethodKind::radial;
-    const double entry = whole ? 0 : fog_entry(fog, o, path);
+    const Eigen::Vector2d moved = wind_offset(fog.wind, fog.rect, fog.boundary, impl_->seconds);
+    const double entry =
+        whole ? 0 : fog_entry(fog, o - Eigen::Vector3d(moved.x(), 0, moved.y()), path);
     if (entry >= 1) return 0;
     namespace s = shader;
-    s::fog = fog_block(fog, o + entry * path, impl_->method.mu, 0, 0);
+    s::fog = fog_block(fog, o + entry * path, impl_->method.mu, impl_->seconds, 0);
     s::fog_cells = {impl_->atlas.texels.data(),
                     impl_->atlas.width,
                     impl_->atlas.height,

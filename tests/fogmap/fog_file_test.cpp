@@ -46,6 +46,7 @@ Fog saved_fog(const std::filesystem::path& file, const FogOptions& options, cons
     Fog fog = random_fog(width, height, options, random);
     fog.profile = {.kind = Profile::Kind::exponential, .base = 0.1, .scale = 8};
     fog.wind = {1.5, -1.0 / 3};
+    if (options.degree == 2) fog.wind.keys.push_back({1.0 / 7, 2, 0});
     fog.rect.x0 = -1.0 / 3;  // needs all digits of a double
     const auto ok = save_fog(file, fog, save);
     REQUIRE_MESSAGE(ok.has_value(), (ok ? "" : ok.error().message));

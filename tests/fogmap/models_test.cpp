@@ -192,7 +192,8 @@ TEST_CASE("models: scene files hold them beside maps, and mistakes name the key"
         return load_scene(dir / "scene.json");
     };
     const auto scene = load(R"(
-        {"model": "halfspace", "normal": [0, 3, 0], "point": [0, 2, 0], "gradient": 0.01},
+        {"model": "halfspace", "normal": [0, 3, 0], "point": [0, 2, 0], "gradient": 0.01,
+         "wind": [[0, 1, 2], [3, 4, 5]]},
         {"model": "layers", "profile": "ramp", "points": [[0, 0.1], [5, 0]]},
         {"model": "layers", "profile": "exponential", "extinction": 0.1, "base": 1, "scale": 4},
         {"model": "layers", "profile": "depth", "surface": 7, "gradient": 0.02},
@@ -206,6 +207,9 @@ TEST_CASE("models: scene files hold them beside maps, and mistakes name the key"
          {"sphere": [1, 2, 3], "radius": 2, "extinction": 0.1, "reach": 4}]})");
     REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
     REQUIRE(scene->models.size() == 7);
+    REQUIRE(scene->model_winds.size() == 7);
+    CHECK(scene->model_winds[0].velocity(3) == Eigen::Vector2d(4, 5));
+    CHECK(scene->model_winds[1].calm());
     CHECK(scene->fogs.empty());
     CHECK(std::get<Halfspace>(scene->models[0]).normal == Vector3d(0, 1, 0));
     CHECK(std::get<Halfspace>(scene->models[0]).gradient == 0.01);
@@ -225,6 +229,15 @@ TEST_CASE("models: scene files hold them beside maps, and mistakes name the key"
              "fog[0]: normal is [0, 0, 0]"},
             {R"({"model": "halfspace", "normal": [0, 1, 0], "point": [0, 0, 0]})",
              "fog[0]: needs \"extinction\""},
+            {R"({"model": "particles", "position": [0, 0, 0], "rate": 9, "radius": [1, 1]})",
+             "fog[0].source: is missing"},
+            {R"({"model": "particles", "source": "fog", "position": [0, 0, 0], "rate": 9,
+                 "radius": [1, 0]})",
+             "fog[0]: radius[1] is 0; it must be above 0 (m)"},
+            {R"({"model": "particles", "source": "smoke", "position": [0, 0, 0], "rate": 9,
+                 "radius": [1, 1], "direction": [0, 0, 0]})",
+             "fog[0]: direction is 0"},
+            {R"({"model": "cosines", "extinction": 1, "waves": [{"extinction": 1, "direction": [1, 0, 0], "frequency": 1}], "wind": 3})", "fog[0].wind: "},
             {R"({"model": "halfspace", "normal": [0, 1, 0], "point": [0, 0, 0], "extinction": -1})",
              "fog[0]: extinction is -1"},
             {R"({"model": "layers", "profile": "ramp", "points": []})", "fog[0]: points has 0"},

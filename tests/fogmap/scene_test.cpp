@@ -113,10 +113,10 @@ TEST_CASE("a scene with every key is read as written") {
     CHECK(banks.rect == Rect{-20, -10, 20, 10});
     CHECK(banks.extinction == 0.05);
     CHECK(banks.profile == Profile{.kind = Profile::Kind::exponential, .base = 0, .scale = 8});
-    CHECK(banks.wind == std::array<double, 2>{1.5, 0.5});
+    CHECK(banks.wind == Wind(1.5, 0.5));
     CHECK(scene.fogs[1].rect == Rect{1, 2, 3, 4});  // from the fog file
     CHECK(scene.fogs[1].extinction == 0.125);
-    CHECK(scene.fogs[1].wind == std::array<double, 2>{1, 0});
+    CHECK(scene.fogs[1].wind == Wind(1, 0));
     CHECK(scene.method.name() == "march:64");
     CHECK(scene.method.mu == 0.5);
 }
@@ -213,7 +213,7 @@ TEST_CASE("every mistake in a scene names the file, the key and what to do") {
          "meshes[0].on_terrain: is \"yes\"; it must be true or false"},
         {"/meshes/0/rotate_y_deg", nullptr, "meshes[0].rotate_y_deg: is null; it must be a number"},
         {"/fog", {{"image", 1}}, "fog: is object; it must be a list"},
-        {"/fog/0/model", "particles", "fog[0].model: is \"particles\"; it must be one of: wavelet"},
+        {"/fog/0/model", "dust", "fog[0].model: is \"dust\"; it must be one of: wavelet"},
         {"/fog/0/image", "none.png", "fog[0].image: "},
         {"/fog/0/image", "bad.tif", "pixel (1, 1) is -1, 1 such pixel in all"},
         {"/fog/0/file", "banks.exr", "fog[0]: needs either \"image\""},
@@ -236,6 +236,8 @@ TEST_CASE("every mistake in a scene names the file, the key and what to do") {
          "top must be above base"},
         {"/fog/0/height", {{"profile", "linear"}, {"top", 2}}, "fog[0].height.base: is missing"},
         {"/fog/0/wind", {1, 2, 3}, "fog[0].wind: has 3 entries"},
+        {"/fog/0/wind", json::array({{0, 1, 2}, {0, 1}}), "fog[0].wind[1]: has 2 entries"},
+        {"/fog/0/wind", json::array({{3, 1, 2}, {2, 1, 0}}), "fog[0].wind: [1]: time is 2, after 3"},
         {"/fog/0/wrap", "mirror", "one of: zero, repeat"},
         {"/fog/0/sanitize", 1, "fog[0].sanitize: is 1; it must be true or false"},
         {"/fog/1/basis", "haar", "fog[1].basis: is fixed by the fog file"},

@@ -158,6 +158,8 @@ TEST_CASE("wfog: all metadata come back") {
                 fog.extinction = 0.05;
                 fog.profile = profile;
                 fog.wind = {1.5, -0.25};
+                if (profile.kind == Profile::Kind::slab)
+                    fog.wind.keys = {{-1, 2, 0.5}, {3, 1, 1.0 / 3}, {4, 0, 0}};
                 const Fog back = decoded(encoded(fog, {}).bytes).fog;
                 CHECK(back.rect == fog.rect);
                 CHECK(back.extinction == fog.extinction);

@@ -118,7 +118,8 @@ inline FogPicture make_picture(const Gl& gl, const Camera& camera, std::vector<f
 /// The largest |dT| over the pixels; `sky` counts those without a surface.
 inline double largest_error(const FogPicture& picture, const Camera& camera, const Image& tau,
                             const std::vector<Reference>& references, double mu, int& sky,
-                            const std::vector<FogModel>& models = {}) {
+                            const std::vector<FogModel>& models = {},
+                            const std::vector<Particle>& particles = {}) {
     const PixelRays rays(camera, kWidth, kHeight);
     double largest = 0;
     sky = 0;
@@ -128,7 +129,7 @@ inline double largest_error(const FogPicture& picture, const Camera& camera, con
                 picture.depth[static_cast<std::size_t>((kHeight - 1 - y) * kWidth + x)];
             const PixelRay ray = rays.at(x, y, depth);
             sky += ray.sky;
-            const double truth = rays.optical_depth(references, ray, mu, models);
+            const double truth = rays.optical_depth(references, ray, mu, models, particles);
             const double value = tau.at(x, y, 0);
             REQUIRE(std::isfinite(value));
             largest = std::max(largest, std::abs(std::exp(-value) - std::exp(-truth)));

@@ -48,7 +48,7 @@ TEST_CASE("Fast split and merge equal the filters, for any size and start") {
                         make_map<double>(MapKind::random, width, height, random), start, 1 - start};
                     const Band<double> aligned =
                         family.degree == 0 ? Band<double>{fine.values} : fine;
-                    const Rect rect = rect_of(aligned);
+                    const IndexRect rect = rect_of(aligned);
                     Detail<double> fast, generic;
                     Band<double> a;
                     lifting_split<double>(family.degree, aligned.values, rect, {&fast, 1}, a);
@@ -112,7 +112,7 @@ TEST_CASE("Bands of unexpected size are cropped or filled with zeros, not read o
     auto dec = *decompose(map, {Family::Kind::cdf, 1, 2}, 2);
     const Grid<float> expected = reconstruct(dec);
     Band<float>& band = dec.details[1].psi_psi;
-    const Rect rect = rect_of(band);
+    const IndexRect rect = rect_of(band);
     band = cropped(band, {{rect.x.first - 5, rect.x.last + 3}, {rect.z.first - 1, rect.z.last}});
     CHECK((reconstruct(dec) == expected).all());
     band = {};

@@ -18,6 +18,7 @@ constexpr std::uint8_t kMagic[4] = {'W', 'F', 'O', 'G'};
 // An upper-case type must be understood, a lower-case one may be skipped.
 constexpr unsigned kHead = 'F', kStream = 'S';
 constexpr int kMaxFogLevels = 30;
+constexpr std::uint64_t kMaxWindKeys = 65536;
 
 enum Flags : unsigned {
     has_rect = 1,
@@ -26,7 +27,7 @@ enum Flags : unsigned {
     profile_shift = 3,  // two bits: Profile::Kind
     has_coefficients = 32,
     has_coarser_bounds = 64,
-    all_flags = 127,
+    has_wind_keys = 128,
 };
 
 std::uint32_t checksum(View chunk) {
@@ -100,7 +101,7 @@ Bytes write_head(const Head& head) {
     unsigned flags = static_cast<unsigned>(fog.profile.kind) << profile_shift;
     if (!default_rect(fog)) flags |= has_rect;
     if (fog.extinction != 1) flags |= has_extinction;
-    if (fog.wind[0] != 0 || fog.wind[1] != 0) flags |= has_wind;
+    if (!fog.wind.calm()) flags |= fog.wind.constant() ? has_wind : has_wind_keys;
     if (head.content == Content::coefficients) flags |= has_coefficients;
     if (!head.bounds.coarser.empty()) flags |= has_coarser_bounds;
     w.byte(flags);
@@ -108,8 +109,12 @@ Bytes write_head(const Head& head) {
         for (const double side : {fog.rect.x0, fog.rect.z0, fog.rect.x1, fog.rect.z1})
             w.number(side);
     if (flags & has_extinction) w.number(fog.extinction);
-    if (flags & has_wind)
-        for (const double speed : fog.wind) w.number(speed);
+    if (flags & has_wind) w.number(fog.wind.keys[0].x), w.number(fog.wind.keys[0].z);
+    if (flags & has_wind_keys) {
+        w.length(fog.wind.keys.size());
+        for (const Wind::Key& key : fog.wind.keys)
+            w.number(key.seconds), w.number(key.x), w.number(key.z);
+    }
     const Profile& p = fog.profile;
     if (p.kind == Profile::Kind::slab) w.number(p.bottom), w.number(p.top);
     if (p.kind == Profile::Kind::exponential) w.number(p.base), w.number(p.scale);
@@ -153,14 +158,24 @@ Result<void> read_fog(Reader& r, Head& head, bool& has_coarser) {
     head.levels = static_cast<int>(r.byte());
     if (head.levels > kMaxFogLevels) return damaged("too many levels");
     const unsigned flags = r.byte();
-    if (flags > all_flags) return damaged("unknown flags");
+    if (flags & has_wind && flags & has_wind_keys) return damaged("it has two winds");
     fog.rect = {0, 0, double(d.width), double(d.height)};
     if (flags & has_rect)
         for (double* side : {&fog.rect.x0, &fog.rect.z0, &fog.rect.x1, &fog.rect.z1})
             *side = r.number();
     if (flags & has_extinction) fog.extinction = r.number();
-    if (flags & has_wind)
-        for (double& speed : fog.wind) speed = r.number();
+    if (flags & has_wind) {
+        const double x = r.number();
+        fog.wind = {x, r.number()};
+    }
+    if (flags & has_wind_keys) {
+        const std::uint64_t count = r.length();
+        if (count < 1 || count > kMaxWindKeys || count > r.left() / 24)
+            return damaged("the wind's keys end too soon");
+        fog.wind.keys.resize(static_cast<std::size_t>(count));
+        for (Wind::Key& key : fog.wind.keys)
+            for (double* part : {&key.seconds, &key.x, &key.z}) *part = r.number();
+    }
     Profile& p = fog.profile;
     p.kind = static_cast<Profile::Kind>(flags >> profile_shift & 3u);
     if (p.kind == Profile::Kind::slab) p.bottom = r.number(), p.top = r.number();
@@ -168,7 +183,8 @@ Result<void> read_fog(Reader& r, Head& head, bool& has_coarser) {
     if (p.kind == Profile::Kind::linear) p.base = r.number(), p.top = r.number();
     head.content = flags & has_coefficients ? Content::coefficients : Content::pixels;
     has_coarser = (flags & has_coarser_bounds) != 0;
-    if (has_coarser && head.content == Content::coefficients) return damaged("unknown flags");
+    if (has_coarser && head.content == Content::coefficients)
+        return damaged("coefficients have no bounds");
     return {};
 }
 

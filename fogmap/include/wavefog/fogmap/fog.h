@@ -1,9 +1,9 @@
 // What a fog is: a spline surface of extinction over a rectangle, times a height profile.
 #pragma once
 
-#include <array>
 #include <string>
 
+#include "wavefog/fogmap/wind.h"
 #include "wavefog/wavelet/decomposition.h"
 #include "wavefog/wavelet/result.h"
 
@@ -46,8 +46,8 @@ struct Fog {
     Rect rect;
     double extinction = 1;  ///< 1/m, >= 0
     Profile profile;
-    std::array<double, 2> wind = {0, 0};  ///< m/s along x and z
-    Decomposition<float> decomposition;   ///< carries basis, family, form, boundary, sizes
+    Wind wind;
+    Decomposition<float> decomposition;  ///< carries basis, family, form, boundary, sizes
 
     int degree() const { return decomposition.degree(); }
     double cell_x() const { return (rect.x1 - rect.x0) / decomposition.width; }
@@ -55,6 +55,10 @@ struct Fog {
     /// Checks rectangle, extinction, profile and finite coefficients.
     Result<void> validate() const;
 };
+
+/// Metres along x and z from a map's rectangle to where the wind has taken it. A repeated map comes
+/// back after every period: whole ones are left out, exactly, so that no precision goes with time.
+Eigen::Vector2d wind_offset(const Wind& wind, const Rect& rect, Boundary boundary, double seconds);
 
 /// Options of make_fog, as on the command line.
 struct FogOptions {

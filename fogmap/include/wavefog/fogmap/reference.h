@@ -16,8 +16,8 @@ namespace wavefog {
 /// threads at once and allocate nothing.
 class Reference {
   public:
-    /// `fog` must pass Fog::validate().
-    explicit Reference(const Fog& fog);
+    /// `fog` must pass Fog::validate(). It stands where its wind has taken it after `seconds`.
+    explicit Reference(const Fog& fog, double seconds = 0);
 
     /// tau(O, P) = integral of K from O to P, world metres. 0 for a zero-length segment; at mu = 1
     /// symmetric and additive; NaN if a coordinate is not finite.
@@ -50,7 +50,7 @@ class Reference {
     void gather(int level, double cell_u, double cell_v, double* coefficients) const;
     double density(const double* coefficients, double u, double v) const;
 
-    Rect rect_;
+    double origin_x_ = 0, origin_z_ = 0;  ///< of the map, metres
     double cell_x_ = 1, cell_z_ = 1;
     double extinction_ = 1;
     Profile profile_;

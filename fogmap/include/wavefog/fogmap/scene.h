@@ -10,7 +10,9 @@
 #include "wavefog/fogmap/fog.h"
 #include "wavefog/fogmap/fog_file.h"
 #include "wavefog/fogmap/image.h"
+#include "wavefog/fogmap/map_sequence.h"
 #include "wavefog/fogmap/models.h"
+#include "wavefog/fogmap/particles.h"
 #include "wavefog/wavelet/path_table.h"
 
 namespace wavefog {
@@ -97,7 +99,10 @@ struct Scene {
     std::vector<MeshInstance> meshes;
     Eigen::Vector3d fog_colour{0.8, 0.82, 0.85};
     std::vector<Fog> fogs;         ///< maps: "model": "wavelet"
-    std::vector<FogModel> models;  ///< formulas, in closed form whatever the method
+    std::vector<FogModel> models;  ///< formulas, in closed form whatever the method; at time 0
+    std::vector<Wind> model_winds;  ///< of `models`, in their order
+    std::vector<MapSequence> sequences;      ///< which `fogs` have a map that changes
+    std::vector<ParticleSource> particles;
     Method method;
 };
 
@@ -115,6 +120,9 @@ Result<Camera> find_camera(const Scene& scene, const std::string& name);
 struct SceneFogs {
     std::vector<Fog> fogs;
     std::vector<FogModel> models;
+    std::vector<Wind> model_winds;
+    std::vector<MapSequence> sequences;
+    std::vector<ParticleSource> particles;
 };
 
 /// The fogs of a file that may be a scene, a fog file or an image (taken with make_fog's defaults

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "wavefog/fogmap/particles.h"
 #include "wavefog/fogmap/scene.h"
 #include "wavefog/gpu/frame.h"
 
@@ -17,6 +18,10 @@ class FogTextures {
     FogTextures& operator=(FogTextures&&) noexcept;
     ~FogTextures();
     std::size_t bytes() const;  ///< held on the GPU
+
+    /// Takes the map of `fog`, which differs from create()'s in its coefficients alone (a data error
+    /// otherwise). Every pass that draws it needs fogs_changed() afterwards.
+    Result<void> update(const Gl& gl, const Fog& fog);
 
     struct Impl;  ///< of the library
 
@@ -39,13 +44,22 @@ struct FogView {
 class FogPass {
   public:
     /// Compiles the programs that `method` needs for these fogs (they stay the caller's). `models`
-    /// are drawn in closed form whatever the method.
+    /// and particles are drawn alike whatever the method.
     static Result<FogPass> create(const Gl& gl, std::vector<const FogTextures*> fogs,
                                   const Method& method, const Eigen::Vector3d& fog_colour,
-                                  std::vector<FogModel> models = {});
+                                  std::vector<FogModel> models = {},
+                                  bool with_particles = false);
     FogPass(FogPass&&) noexcept;
     FogPass& operator=(FogPass&&) noexcept;
     ~FogPass();
+
+    /// Replaces what formulas give, such as by where the wind has taken it. A data error as from
+    /// create(); a usage error if the pass was made without formulas and particles.
+    Result<void> set_models(std::vector<FogModel> models);
+    /// Particles to draw from now on, in a pass made for them.
+    Result<void> set_particles(std::vector<Particle> particles);
+    /// The maps have new coefficients (FogTextures::update).
+    Result<void> fogs_changed();
 
     /// L = T L_scene + (1 - T) L_fog (paper 004, eq. 4) into `output` (RGBA16F or RGBA32F colour).
     void draw_colour(const FrameTarget& frame, const Camera& camera, GLuint output_framebuffer,
@@ -85,7 +99,8 @@ class FogPass {
 /// eye together.
 class ShaderOnCpu {
   public:
-    static Result<ShaderOnCpu> create(const Fog& fog, const Method& method);
+    /// The fog stands where its wind has taken it after `seconds`.
+    static Result<ShaderOnCpu> create(const Fog& fog, const Method& method, double seconds = 0);
     ShaderOnCpu(ShaderOnCpu&&) noexcept;
     ShaderOnCpu& operator=(ShaderOnCpu&&) noexcept;
     ~ShaderOnCpu();

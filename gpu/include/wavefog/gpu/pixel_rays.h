@@ -36,9 +36,10 @@ class PixelRays {
     /// The height of a pixel in the middle of the picture, metres at `distance` from the eye.
     double pixel_size(double distance) const;
     /// The sum of the fogs' optical depths along a ray; a sky ray ends at each map's far end, and
-    /// for models at sky_limit().
+    /// for models and particles at sky_limit().
     double optical_depth(const std::vector<Reference>& fogs, const PixelRay& ray, double mu = 1,
-                         const std::vector<FogModel>& models = {}) const;
+                         const std::vector<FogModel>& models = {},
+                         const std::vector<Particle>& particles = {}) const;
 
   private:
     Eigen::Matrix4d eye_from_clip_;

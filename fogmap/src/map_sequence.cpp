@@ -1,0 +1,53 @@
+#include "wavefog/fogmap/map_sequence.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "wavefog/wavelet/interpolate.h"
+
+namespace wavefog {
+
+Result<const Decomposition<float>*> SequencePlayer::key(std::size_t index, std::size_t other) {
+    for (const Decomposed& kept : kept_)
+        if (kept.key == index) return &kept.map;
+    const auto fail = [&](const std::string& what) {
+        return data_error(fmt::format("{}[{}]: {}", sequence_.place, index, what));
+    };
+    const auto picture = read_fogmap(sequence_.keys[index].image, sequence_.read);
+    if (!picture) return fail(picture.error().message);
+    auto fog = make_fog(picture->pixels, sequence_.options);
+    if (!fog) return fail(fog.error().message);
+    std::erase_if(kept_, [&](const Decomposed& kept) { return kept.key != other; });
+    kept_.reserve(2);  // pointers into it stay
+    kept_.push_back({index, std::move(fog->decomposition)});
+    return &kept_.back().map;
+}
+
+Result<void> SequencePlayer::show(double seconds, Fog& fog) {
+    const auto& keys = sequence_.keys;
+    const auto after = std::upper_bound(
+        keys.begin(), keys.end(), seconds,
+        [](double time, const MapSequence::Key& candidate) { return time < candidate.seconds; });
+    const auto next = static_cast<std::size_t>(after - keys.begin());
+    const std::size_t a = next == 0 ? 0 : next - 1, b = std::min(next, keys.size() - 1);
+    const double share =
+        a == b ? 0 : (seconds - keys[a].seconds) / (keys[b].seconds - keys[a].seconds);
+    const auto first = key(a, b);
+    if (!first) return tl::unexpected(first.error());
+    if (share == 0) {
+        fog.decomposition = **first;
+        return {};
+    }
+    const auto second = key(b, a);
+    if (!second) return tl::unexpected(second.error());
+    // key() may have moved what it kept.
+    const auto again = key(a, b);
+    if (auto ok = interpolate(**again, **second, share, fog.decomposition); !ok)
+        return data_error(fmt::format("{}: [{}] ({}) and [{}] ({}): {}", sequence_.place, a,
+                                      keys[a].image.string(), b, keys[b].image.string(),
+                                      ok.error().message));
+    return {};
+}
+
+}  // namespace wavefog
