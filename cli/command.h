@@ -21,5 +21,6 @@ Command add_render(CLI::App& root);
 Command add_animate(CLI::App& root);
 Command add_bench(CLI::App& root);
 Command add_fit(CLI::App& root);
+Command add_generate(CLI::App& root);
 
 }  // namespace wavefog::cli

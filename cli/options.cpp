@@ -4,11 +4,13 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 
 namespace wavefog::cli {
 namespace {
 
 constexpr int largest_side = 16384;  // what OpenGL 4.5 guarantees for textures
+constexpr std::int64_t largest_map = std::int64_t{1} << 30;
 
 std::vector<std::string_view> split(std::string_view text, char separator) {
     std::vector<std::string_view> parts;
@@ -26,6 +28,16 @@ bool parse_whole(std::string_view text, T& value) {
     const char* end = text.data() + text.size();
     const auto [stop, code] = std::from_chars(text.data(), end, value);
     return code == std::errc() && stop == end;
+}
+
+/// "WIDTHxHEIGHT", each at least 1.
+std::optional<Size> sides_of(std::string_view text) {
+    const auto parts = split(text, 'x');
+    Size size;
+    if (parts.size() != 2 || !parse_whole(parts[0], size.width) ||
+        !parse_whole(parts[1], size.height) || size.width < 1 || size.height < 1)
+        return std::nullopt;
+    return size;
 }
 
 }  // namespace
@@ -143,14 +155,19 @@ std::string profile_text(const Profile& profile) {
 }
 
 Result<Size> parse_size(std::string_view text) {
-    const auto parts = split(text, 'x');
-    Size size;
-    const auto valid = [](int side) { return side >= 1 && side <= largest_side; };
-    if (parts.size() != 2 || !parse_whole(parts[0], size.width) ||
-        !parse_whole(parts[1], size.height) || !valid(size.width) || !valid(size.height))
+    const auto size = sides_of(text);
+    if (!size || size->width > largest_side || size->height > largest_side)
         return usage_error(fmt::format("'{}' is not a size; write WIDTHxHEIGHT, each from 1 to {}",
                                        text, largest_side));
-    return size;
+    return *size;
+}
+
+Result<Size> parse_map_size(std::string_view text) {
+    const auto size = sides_of(text);
+    if (!size || std::int64_t{size->width} * size->height > largest_map)
+        return usage_error(fmt::format(
+            "'{}' is not a map's size; write WIDTHxHEIGHT, at most 2^30 pixels in all", text));
+    return *size;
 }
 
 Result<int> parse_levels(std::string_view text) {

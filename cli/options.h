@@ -42,6 +42,9 @@ struct Size {
 /// "800x600", each side within 1..16384.
 Result<Size> parse_size(std::string_view text);
 
+/// The same for a map: at most 2^30 pixels in all, what read_fogmap() takes, whatever its sides.
+Result<Size> parse_map_size(std::string_view text);
+
 /// "auto" (-1) or a whole number >= 0.
 Result<int> parse_levels(std::string_view text);
 
