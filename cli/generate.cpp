@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <random>
@@ -44,6 +46,17 @@ struct GenerateOptions {
         return std::nullopt;
     }
 };
+
+/// Any unsigned number of 64 bits.
+Result<std::uint64_t> parse_seed(std::string_view text) {
+    std::uint64_t seed = 0;
+    const char* end = text.data() + text.size();
+    const auto [stop, code] = std::from_chars(text.data(), end, seed);
+    if (code != std::errc() || stop != end)
+        return usage_error(
+            fmt::format("'{}' is no seed; use a whole number from 0 to 2^64 - 1", text));
+    return seed;
+}
 
 /// What says nothing about the chosen model is a mistake.
 Result<void> check_flags(const GenerateOptions& options) {
@@ -208,9 +221,8 @@ void add_noise_flags(CLI::App& app, GenerateOptions& options) {
     const auto number = [](double low, double high) {
         return [low, high](const std::string& text) { return parse_number_in(text, low, high); };
     };
-    app.add_option("--seed", options.seed,
-                   "Noise: another number, another picture (chosen at random, and printed)")
-        ->type_name("S");
+    add_parsed(app, "--seed", options.seed, parse_seed, "S",
+               "Noise: another number, another picture (chosen at random, and printed)");
     add_parsed(app, "--features", options.features, whole(1, 256), "N",
                "Noise: banks across the width, 1 to 256 (4)");
     add_parsed(app, "--octaves", options.octaves, whole(1, 16), "N",

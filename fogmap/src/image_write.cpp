@@ -105,6 +105,8 @@ Result<void> write(const fs::path& file, const Image& image, const WriteOptions&
     Result<void> ok;
     if (!png) {
         spec.attribute("compression", "zip");
+        // Else the clock's: equal pictures are to be equal files.
+        spec.attribute("DateTime", "1970:01:01 00:00:00");
         if (exr && image.channels == 1)
             spec.channelnames = {"Y"};  // what readers expect of one channel
         ok = write_with(exr ? "openexr" : "tiff", file, pending.path(), spec, TypeDesc::FLOAT,

@@ -118,9 +118,12 @@ double Noise::operator()(double u, double v) const {
 
 void keep_highest(Grid<float>& map, double coverage) {
     const auto count = static_cast<std::size_t>(map.size());
+    const auto dropped = static_cast<std::size_t>((1 - coverage) * static_cast<double>(count));
+    if (dropped >= count) {
+        map = 0.0f;
+        return;
+    }
     std::vector<float> sorted(map.data(), map.data() + count);
-    const auto dropped = std::min(
-        count - 1, static_cast<std::size_t>((1 - coverage) * static_cast<double>(count)));
     const auto at = sorted.begin() + static_cast<std::ptrdiff_t>(dropped);
     std::nth_element(sorted.begin(), at, sorted.end());
     const float low = *at, high = *std::max_element(at, sorted.end());

@@ -56,7 +56,7 @@ class Noise {
 
 /// Turns noise (or any values) into fog: the highest `coverage` (0 to 1) of all pixels keep what
 /// they rise above the others, scaled so that the highest is 1; the rest becomes 0. Equal values
-/// everywhere become 1.
+/// everywhere become 1, unless coverage is 0.
 void keep_highest(Grid<float>& map, double coverage);
 
 }  // namespace wavefog
