@@ -21,6 +21,7 @@ Command add_render(CLI::App& root);
 Command add_animate(CLI::App& root);
 Command add_bench(CLI::App& root);
 Command add_fit(CLI::App& root);
+Command add_apply(CLI::App& root);
 Command add_generate(CLI::App& root);
 
 }  // namespace wavefog::cli

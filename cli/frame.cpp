@@ -47,12 +47,24 @@ Image transmittance_of(const Image& optical_depth) {
     return image;
 }
 
-Image rgb_of(const Image& rgba) {
-    Image image{rgba.width, rgba.height, 3, {}};
-    image.pixels.reserve(rgba.pixels.size() / 4 * 3);
+/// The first 1 to 4 channels of RGBA.
+Image channels_of(const Image& rgba, int channels) {
+    Image image{rgba.width, rgba.height, channels, {}};
+    image.pixels.reserve(rgba.pixels.size() / 4 * std::size_t(channels));
     for (std::size_t i = 0; i < rgba.pixels.size(); i += 4)
-        image.pixels.insert(image.pixels.end(), &rgba.pixels[i], &rgba.pixels[i] + 3);
+        image.pixels.insert(image.pixels.end(), &rgba.pixels[i], &rgba.pixels[i] + channels);
     return image;
+}
+
+/// A texture of a picture, whose first row is the uppermost.
+Texture upload(const Gl& gl, const Image& image, GLenum internal_format, GLenum format) {
+    const std::size_t row = std::size_t(image.width) * std::size_t(image.channels);
+    std::vector<float> rows(image.pixels.size());
+    for (std::size_t y = 0; y < std::size_t(image.height); ++y)
+        std::copy_n(image.pixels.begin() + std::ptrdiff_t(y * row), row,
+                    rows.begin() + std::ptrdiff_t((std::size_t(image.height) - 1 - y) * row));
+    return make_texture_2d(gl, internal_format, image.width, image.height, format, GL_FLOAT,
+                           rows.data());
 }
 
 }  // namespace
@@ -64,6 +76,7 @@ struct FrameDrawer::Impl {
     FrameTarget target;
     std::vector<FogTextures> textures;
     std::optional<FogPass> pass;  ///< none with method reference
+    int channels = 3;             ///< of colour
     Target colour, depth;
     std::vector<Fog> changing;  ///< the maps of scene->sequences
     std::vector<SequencePlayer> players;
@@ -87,8 +100,10 @@ struct FrameDrawer::Impl {
         pass = *std::move(made);
         for (auto [to, internal_format, format] :
              {std::tuple{&colour, GLenum(GL_RGBA32F), GLenum(GL_RGBA)}, {&depth, GL_R32F, GL_RED}}) {
-            Result<Target> drawn =
-                make_target(gl(), internal_format, format, target.width, target.height);
+            const bool coloured = pass->coloured() && to == &depth;
+            Result<Target> drawn = make_target(gl(), coloured ? GL_RGBA32F : internal_format,
+                                               coloured ? GL_RGBA : format, target.width,
+                                               target.height);
             if (!drawn) return tl::unexpected(drawn.error());
             *to = *std::move(drawn);
         }
@@ -117,10 +132,11 @@ struct FrameDrawer::Impl {
                 return ok;
         pass->draw_colour(target, scene->camera, colour.framebuffer.name(), seconds);
         pass->draw_optical_depth(target, scene->camera, depth.framebuffer.name(), seconds);
-        frame.colour =
-            rgb_of(read_texture(gl(), colour.texture.name(), target.width, target.height, 4));
-        frame.transmittance = transmittance_of(
-            read_texture(gl(), depth.texture.name(), target.width, target.height, 1));
+        frame.colour = channels_of(
+            read_texture(gl(), colour.texture.name(), target.width, target.height, 4), channels);
+        const Image tau = read_texture(gl(), depth.texture.name(), target.width, target.height,
+                                       pass->coloured() ? 4 : 1);
+        frame.transmittance = transmittance_of(pass->coloured() ? channels_of(tau, 3) : tau);
         return {};
     }
 
@@ -128,8 +144,12 @@ struct FrameDrawer::Impl {
     void draw_on_cpu(double seconds, Frame& frame) {
         const int width = target.width, height = target.height;
         const Image surfaces = read_texture(gl(), target.depth.name(), width, height, 1, true);
-        frame.colour = rgb_of(read_texture(gl(), target.colour.name(), width, height, 4));
-        frame.transmittance = {width, height, 1, std::vector<float>(surfaces.pixels.size())};
+        frame.colour =
+            channels_of(read_texture(gl(), target.colour.name(), width, height, 4), channels);
+        const int shown = coloured(scene->fogs, scene->models) ? 3 : 1;
+        frame.transmittance = {
+            width, height, shown,
+            std::vector<float>(surfaces.pixels.size() * std::size_t(shown))};
         std::vector<Reference> fogs;
         for (std::size_t i = 0; i < scene->fogs.size(); ++i) {
             const Fog* fog = &scene->fogs[i];
@@ -145,13 +165,14 @@ struct FrameDrawer::Impl {
             for (int y = int(begin); y < int(end); ++y)
                 for (int x = 0; x < width; ++x) {
                     const PixelRay ray = rays.at(x, y, double(surfaces.at(x, y, 0)));
-                    const double tau =
-                        rays.optical_depth(fogs, ray, scene->method.mu, models, points);
-                    const double opacity = -std::expm1(-tau);
-                    frame.transmittance.at(x, y, 0) = float(std::exp(-tau));
+                    const Eigen::Array3d tau =
+                        rays.channel_depths(fogs, ray, scene->method.mu, models, points);
+                    for (int c = 0; c < shown; ++c)
+                        frame.transmittance.at(x, y, c) = float(std::exp(-tau[c]));
                     for (int c = 0; c < 3; ++c) {
                         float& value = frame.colour.at(x, y, c);
-                        value += float(opacity * (scene->fog_colour[c] - double(value)));
+                        value +=
+                            float(-std::expm1(-tau[c]) * (scene->fog_colour[c] - double(value)));
                     }
                 }
         };
@@ -195,6 +216,40 @@ Result<FrameDrawer> FrameDrawer::create(const Scene& scene, const std::string& c
     if (scene.method.kind != MethodKind::reference)
         if (auto made = impl->make_pass(); !made) return tl::unexpected(made.error());
     return FrameDrawer(std::move(impl));
+}
+
+Result<FrameDrawer> FrameDrawer::over(const Scene& scene, const Surfaces& surfaces,
+                                      const std::string& context_name) {
+    Result<std::unique_ptr<Context>> context = create_context(context_name);
+    if (!context) return tl::unexpected(context.error());
+    auto impl = std::make_unique<Impl>();
+    impl->scene = &scene;
+    impl->supersample = 1;
+    impl->context = *std::move(context);
+    const Image& colour = surfaces.colour;
+    impl->channels = colour.channels;
+    GLint largest = 0;
+    impl->gl().GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+    if (colour.width > largest || colour.height > largest)
+        return data_error(fmt::format("{}x{} pixels: this OpenGL holds {} a side; use smaller ones",
+                                      colour.width, colour.height, largest));
+    impl->target.width = colour.width;
+    impl->target.height = colour.height;
+    impl->target.colour =
+        upload(impl->gl(), colour, GL_RGBA32F, colour.channels == 4 ? GL_RGBA : GL_RGB);
+    impl->target.depth =
+        upload(impl->gl(), surfaces.depth, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT);
+    if (scene.method.kind != MethodKind::reference)
+        if (auto made = impl->make_pass(); !made) return tl::unexpected(made.error());
+    return FrameDrawer(std::move(impl));
+}
+
+Surfaces FrameDrawer::surfaces() const {
+    const FrameTarget& target = impl_->target;
+    return {channels_of(read_texture(impl_->gl(), target.colour.name(), target.width,
+                                     target.height, 4),
+                        impl_->channels),
+            read_texture(impl_->gl(), target.depth.name(), target.width, target.height, 1, true)};
 }
 
 Result<Frame> FrameDrawer::draw(double seconds) {

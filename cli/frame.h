@@ -10,9 +10,15 @@
 namespace wavefog::cli {
 
 struct Frame {
-    Image colour;         ///< linear RGB
-    Image transmittance;  ///< one channel, [0, 1]
+    Image colour;         ///< linear RGB, or RGBA if Surfaces::colour is
+    Image transmittance;  ///< one channel, [0, 1]; three if fogs are seen by some colours alone
     std::string renderer;
+};
+
+/// What the fog pass reads: a picture without fog.
+struct Surfaces {
+    Image colour;  ///< linear RGB or RGBA
+    Image depth;   ///< one channel, the depth buffer's values
 };
 
 /// Draws `scene` with scene.method at `supersample` times its size and averages back to it: linear
@@ -23,11 +29,17 @@ class FrameDrawer {
     /// The scene must outlive it.
     static Result<FrameDrawer> create(const Scene& scene, const std::string& context,
                                       int supersample);
+    /// The scene's fogs over surfaces from elsewhere, seen by its camera; terrain, meshes, sky and
+    /// size are the surfaces' own.
+    static Result<FrameDrawer> over(const Scene& scene, const Surfaces& surfaces,
+                                    const std::string& context);
     FrameDrawer(FrameDrawer&&) noexcept;
     FrameDrawer& operator=(FrameDrawer&&) noexcept;
     ~FrameDrawer();
 
     Result<Frame> draw(double seconds);
+    /// Without fog, as drawn: larger than the scene by `supersample`.
+    Surfaces surfaces() const;
 
   private:
     struct Impl;

@@ -42,8 +42,9 @@ int run(int argc, char** argv) {
         "\n"
         "Exit status: 0 done, 1 a file or its content is at fault, 2 the command line is.");
     const std::array commands = {add_convert(root), add_info(root),   add_decode(root),
-                                 add_probe(root),   add_render(root), add_animate(root),
-                                 add_bench(root),   add_fit(root),    add_generate(root)};
+                                 add_probe(root),   add_render(root),   add_animate(root),
+                                 add_bench(root),   add_fit(root),      add_generate(root),
+                                 add_apply(root)};
     try {
         root.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

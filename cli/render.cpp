@@ -3,10 +3,12 @@
 
 #include <chrono>
 #include <memory>
+#include <tuple>
 #include <vector>
 
 #include "command.h"
 #include "files.h"
+#include "fogs.h"
 #include "frame.h"
 #include "interrupt.h"
 #include "options.h"
@@ -20,7 +22,7 @@ namespace fs = std::filesystem;
 
 struct RenderOptions {
     SceneOptions scene;
-    fs::path output, transmittance;
+    fs::path output, transmittance, colour, depth;
     double time = 0;
     bool json = false;
 };
@@ -29,12 +31,24 @@ Result<void> check_files(const RenderOptions& options) {
     if (auto ok = check_scene(options.scene); !ok) return ok;
     const std::vector<fs::path> inputs = options.scene.inputs();
     if (auto ok = check_output(options.output, inputs, {".png", ".exr"}); !ok) return ok;
-    if (options.transmittance.empty()) return {};
-    if (fs::absolute(options.transmittance).lexically_normal() ==
-        fs::absolute(options.output).lexically_normal())
-        return usage_error(options.transmittance.string() +
-                           ": --transmittance and --output are the same file; give two names");
-    return check_output(options.transmittance, inputs, {".exr"});
+    if (!options.depth.empty() && options.scene.supersample > 1)
+        return usage_error("--depth: depths cannot be averaged; leave out --supersample");
+    std::vector<fs::path> outputs = {options.output};
+    for (const auto& [flag, file, extensions] :
+         {std::tuple{"--transmittance", &options.transmittance, std::vector<std::string>{".exr"}},
+          {"--color", &options.colour, {".png", ".exr"}},
+          {"--depth", &options.depth, {".exr"}}}) {
+        if (file->empty()) continue;
+        const fs::path place = fs::absolute(*file).lexically_normal();
+        for (const fs::path& other : outputs)
+            if (place == fs::absolute(other).lexically_normal())
+                return usage_error(fmt::format(
+                    "{}: {} and another output are the same file; give two names", file->string(),
+                    flag));
+        outputs.push_back(*file);
+        if (auto ok = check_output(*file, inputs, extensions); !ok) return ok;
+    }
+    return {};
 }
 
 Result<void> render(const RenderOptions& options) {
@@ -43,13 +57,24 @@ Result<void> render(const RenderOptions& options) {
     if (!scene) return tl::unexpected(scene.error());
 
     const auto start = std::chrono::steady_clock::now();
-    const Result<Frame> frame =
-        draw_frame(*scene, options.scene.context, options.scene.supersample, options.time);
+    Result<FrameDrawer> drawer =
+        FrameDrawer::create(*scene, options.scene.context, options.scene.supersample);
+    if (!drawer) return tl::unexpected(drawer.error());
+    const Result<Frame> frame = drawer->draw(options.time);
     if (!frame) return tl::unexpected(frame.error());
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
 
+    Surfaces surfaces;
+    if (!options.colour.empty() || !options.depth.empty()) surfaces = drawer->surfaces();
     {
         const HoldInterrupts hold;
+        if (!options.colour.empty())
+            if (auto ok = write_image(options.colour,
+                                      box_average(surfaces.colour, options.scene.supersample));
+                !ok)
+                return ok;
+        if (!options.depth.empty())
+            if (auto ok = write_image(options.depth, surfaces.depth); !ok) return ok;
         if (!options.transmittance.empty())
             if (auto ok = write_image(options.transmittance, frame->transmittance); !ok) return ok;
         if (auto ok = write_image(options.output, frame->colour); !ok) return ok;
@@ -61,6 +86,8 @@ Result<void> render(const RenderOptions& options) {
     if (options.time != 0) facts["time"] = options.time;
     if (options.scene.camera) facts["camera"] = *options.scene.camera;
     if (!options.transmittance.empty()) facts["transmittance"] = options.transmittance.string();
+    if (!options.colour.empty()) facts["color"] = options.colour.string();
+    if (!options.depth.empty()) facts["depth"] = options.depth.string();
     print_facts(facts, options.json);
     return {};
 }
@@ -80,6 +107,11 @@ Command add_render(CLI::App& root) {
     app->add_option("--transmittance", options->transmittance,
                     "Also write the transmittance of every pixel as floats")
         ->type_name("T.exr");
+    app->add_option("--color", options->colour, "Also write the scene without fog: .png or .exr")
+        ->type_name("C");
+    app->add_option("--depth", options->depth,
+                    "Also write the depth buffer as floats, for `apply` (\"depth_values\": \"gl\")")
+        ->type_name("D.exr");
     app->add_flag("--json", options->json, "Print what was written as JSON");
     app->footer(
         "The scene's terrain, meshes and sky are drawn first; then the fog pass reads the depth "

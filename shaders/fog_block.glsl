@@ -73,11 +73,14 @@ struct ViewBlock {
 #else
 layout(std140) uniform ViewBlock {
 #endif
-    vec4 pixel;          // xy: 2 / size in pixels; z: depth of the sky; w: 1 if orthographic
+    vec4 pixel;          // xy: size in pixels; z: depth of the sky; w: 1 if orthographic
     vec4 depth0[3];      // homogeneous point at depth 0: [0] x + [1] y + [2]
     vec4 depth1[3];      // the same at depth 1
+    vec4 ray_high[3];    // perspective: the ray's direction is [0] x + [1] y + [2], x and y twice the
+    vec4 ray_low[3];     // pixel less the size; the sum of both, the first without any rounding
     vec4 fog_colour;     // rgb, linear
     ivec4 samples;       // x: N of march:N
+    vec4 channels;       // rgb: how much of this fog each sees (FOG_CHANNELS)
 #ifdef __cplusplus
 };
 #else

@@ -29,11 +29,12 @@ float model_angle(float x, float y) {
     return x < 0.0f ? MODEL_PI - angle : angle;
 }
 
+#include "fog_separable.glsl"
+
 // Constant and linear density behind a plane (Lengyel, eq. 5 and 13), by the depths a and b of the
-// segment's ends.
-float model_halfspace(vec4 plane, vec4 density, vec3 start, vec3 path) {
+// segment's ends; `along` is normal . path.
+float model_halfspace(vec4 plane, vec4 density, vec3 start, float along) {
     vec3 normal = vec3(plane.x, plane.y, plane.z);
-    float along = dot(normal, path);
     float a = -(plane.w + dot(normal, start));
     float b = a - along;
     float inside = a >= 0.0f ? 1.0f : 0.0f;
@@ -178,14 +179,27 @@ float model_object(int i, vec3 start, vec3 path) {
     return shape.x * (sum + (inside.y - inside.x));
 }
 
-// The sum of all models from eye + start to eye + start + path, `metres` apart.
-float fog_models(vec3 start, vec3 path, float metres) {
+// The ray's way out of the plane. A ray that grazes it cancels what the normal and the path are rounded
+// to, and constant fog ends there: so the pixel's place gives it, if there is one (z = 1).
+float model_along(int i, vec3 path, vec3 place, float scale) {
+    if (place.z == 0.0f) {
+        return dot(vec3(models.plane[i].x, models.plane[i].y, models.plane[i].z), path);
+    }
+    vec4 high = models.plane_high[i];
+    vec4 low = models.plane_low[i];
+    return scale * (dot(vec3(high.x, high.y, high.z), place) + dot(vec3(low.x, low.y, low.z), place));
+}
+
+// The sum of all models from eye + start to eye + start + path, `metres` apart. The path is `scale`
+// times the direction of the pixel at `place`, as in ViewBlock; 0 if it is not known.
+float fog_models(vec3 start, vec3 path, float metres, vec3 place, float scale) {
     if (metres == 0.0f) {
         return 0.0f;
     }
     float mean = models.limit.y;
     for (int i = 0; i < models.count.x; ++i) {
-        mean += model_halfspace(models.plane[i], models.plane_density[i], start, path);
+        mean += model_halfspace(models.plane[i], models.plane_density[i], start,
+                                model_along(i, path, place, scale));
     }
     for (int i = 0; i < models.count.y; ++i) {
         mean += model_ramp(models.ramp[i], start.y, path.y);
@@ -201,6 +215,9 @@ float fog_models(vec3 start, vec3 path, float metres) {
     }
     for (int i = 0; i < models.count_more.y; ++i) {
         mean += model_object(i, start, path);
+    }
+    for (int i = 0; i < models.count_more.z; ++i) {
+        mean += model_separable(i, start, path, metres);
     }
     // Rounding may leave -1e-9 where subtracted fog is just 0.
     return max(mean, 0.0f) * metres;

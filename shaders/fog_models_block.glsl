@@ -8,17 +8,21 @@
 #define MODEL_MAX_WAVES 64
 #define MODEL_MAX_POLYNOMIALS 32
 #define MODEL_MAX_OBJECTS 64
+#define MODEL_MAX_SEPARABLES 8
 
 #ifdef __cplusplus
 struct ModelBlock {
 #else
 layout(std140) uniform ModelBlock {
 #endif
-    vec4 limit;        // x: longest sky ray, m; y: extinction everywhere, of all models
+    vec4 limit;        // x: longest sky ray, m; y: extinction everywhere, of all models; z: optical
+                       // depth at which a walk stops
     ivec4 count;       // x: halfspaces, y: ramp pieces, z: exponentials, w: waves
-    ivec4 count_more;  // x: polynomials, y: objects, z: side of a tile of particles, pixels
+    ivec4 count_more;  // x: polynomials, y: objects, z: separables, w: side of a tile of particles, pixels
     vec4 plane[MODEL_MAX_HALFSPACES];            // xyz: unit normal, w: the eye's height over it
     vec4 plane_density[MODEL_MAX_HALFSPACES];    // x: extinction, y: gradient, 1/m^2
+    vec4 plane_high[MODEL_MAX_HALFSPACES];       // normal . ray of a pixel, as ViewBlock's ray_high
+    vec4 plane_low[MODEL_MAX_HALFSPACES];
     vec4 ramp[MODEL_MAX_RAMPS];                  // x: low, y: high, z: extinction at low, w: slope
     vec4 exponential[MODEL_MAX_EXPONENTIALS];    // x: eye's eta, y: eta per metre, z: extinction
     vec4 wave[MODEL_MAX_WAVES];                  // xyz: turns per metre, w: turns at the eye
@@ -29,6 +33,10 @@ layout(std140) uniform ModelBlock {
     vec4 object[MODEL_MAX_OBJECTS];              // xyz: point, w: radius
     vec4 object_axis[MODEL_MAX_OBJECTS];         // xyz: a line's direction, w: its length, else 0
     vec4 object_shape[MODEL_MAX_OBJECTS];        // x: extinction, y: 1 / reach
+    vec4 separable[MODEL_MAX_SEPARABLES];        // x: extinction, y: 1 for the product of means
+    vec4 separable_axis[3 * MODEL_MAX_SEPARABLES];   // x: eye's place in its cell, y: cells per metre,
+                                                 // z: cells of the table, 0: none; w: 1 if repeated
+    ivec4 separable_row[3 * MODEL_MAX_SEPARABLES];   // x: the eye's cell, y: row of model_tables
 #ifdef __cplusplus
 };
 #else

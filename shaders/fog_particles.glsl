@@ -15,7 +15,7 @@ float particle_opacity(vec4 place, float opacity, vec3 start, vec3 direction, fl
 }
 
 float fog_particles(ivec2 pixel, vec3 start, vec3 path, float metres) {
-    vec4 tile = texelFetch(particle_tiles, pixel / models.count_more.z, 0);
+    vec4 tile = texelFetch(particle_tiles, pixel / models.count_more.w, 0);
     int first = int(tile.x);
     int count = int(tile.y);
     vec3 direction = metres > 0.0f ? path / metres : vec3(0.0f);

@@ -1,7 +1,8 @@
 // The fog post-process for one fog, or for all that formulas give (fog_models.glsl): depth (and
 // colour) in, fogged colour or optical depth out.
 // Defines: FOG_DEGREE, FOG_PROFILE, FOG_REPEAT, FOG_SKIP, FOG_METHOD, FOG_PAPER_SCALING,
-// RADIAL_LAYERED, RADIAL_STEP, FOG_PARTICLES; FOG_OUTPUT_TAU writes optical depth instead of colour; FOG_PREVIOUS_TAU adds the
+// RADIAL_LAYERED, RADIAL_STEP, FOG_PARTICLES; FOG_CHANNELS: red, green and blue see shares of each fog (paper
+// 001, eq. 9); FOG_OUTPUT_TAU writes optical depth instead of colour; FOG_PREVIOUS_TAU adds the
 // optical depth of the fogs drawn before.
 // Blend: L = T L_scene + (1 - T) L_fog (paper 004, eq. 4), linear colours.
 precision highp float;
@@ -27,6 +28,7 @@ uniform sampler2D radial_table;    // of method radial
 uniform sampler2D scene_depth;
 uniform sampler2D scene_colour;
 uniform sampler2D previous_tau;
+uniform sampler2D model_tables;    // of fogs from tabulated functions
 
 #include "fog_ray.glsl"
 #include "fog_cell.glsl"
@@ -49,21 +51,32 @@ uniform sampler2D particle_list;   // particles, tile by tile
 layout(location = 0) out vec4 result;
 
 float optical_depth(vec2 pixel, float depth) {
-    vec2 ndc = pixel * view.pixel.xy - 1.0f;
-    vec4 front = view.depth0[0] * ndc.x + view.depth0[1] * ndc.y + view.depth0[2];
-    vec4 back = view.depth1[0] * ndc.x + view.depth1[1] * ndc.y + view.depth1[2];
-    vec4 surface = front * (1.0f - depth) + back * depth;
     bool sky = depth == view.pixel.z;
+    // A whole number: what follows has no rounding of its own to multiply.
+    vec2 place = 2.0f * pixel - view.pixel.xy;
 
     vec3 start = vec3(0.0f);
     vec3 path;
+    vec3 shared_place = vec3(0.0f);
+    float per_direction = 0.0f;
     if (view.pixel.w != 0.0f) {
+        vec2 ndc = place / view.pixel.xy;
+        vec4 front = view.depth0[0] * ndc.x + view.depth0[1] * ndc.y + view.depth0[2];
+        vec4 back = view.depth1[0] * ndc.x + view.depth1[1] * ndc.y + view.depth1[2];
+        vec4 surface = front * (1.0f - depth) + back * depth;
         vec4 near_point = view.pixel.z == 0.0f ? back : front;
         vec4 far_point = view.pixel.z == 0.0f ? front : back;
         start = near_point.xyz;
         path = (sky ? far_point.xyz : surface.xyz) - start;
     } else {
-        path = sky ? surface.xyz : surface.xyz / surface.w;
+        // A ray that grazes a plane multiplies the rounding of its direction: each coordinate is
+        // good to float32's last digit even where it is nearly 0.
+        vec3 high = view.ray_high[0].xyz * place.x + view.ray_high[1].xyz * place.y + view.ray_high[2].xyz;
+        vec3 low = view.ray_low[0].xyz * place.x + view.ray_low[1].xyz * place.y + view.ray_low[2].xyz;
+        shared_place = vec3(place, 1.0f);
+        per_direction =
+            sky ? 1.0f : 1.0f / (view.depth0[2].w * (1.0f - depth) + view.depth1[2].w * depth);
+        path = (high + low) * per_direction;
     }
     float metres = length(path);
     if (sky) {
@@ -73,10 +86,11 @@ float optical_depth(vec2 pixel, float depth) {
         float farthest = fog.limit.z;
 #endif
         path *= farthest / metres;
+        per_direction = farthest / metres;
         metres = farthest;
     }
 #if FOG_METHOD == FOG_METHOD_MODELS
-    float tau = fog_models(start, path, metres);
+    float tau = fog_models(start, path, metres, shared_place, per_direction);
 #ifdef FOG_PARTICLES
     tau += fog_particles(ivec2(pixel), start, path, metres);
 #endif
@@ -110,13 +124,23 @@ float optical_depth(vec2 pixel, float depth) {
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     float tau = optical_depth(gl_FragCoord.xy, texelFetch(scene_depth, pixel, 0).x);
+#ifdef FOG_CHANNELS
+    vec3 taus = tau * view.channels.rgb;
+#ifdef FOG_PREVIOUS_TAU
+    taus += texelFetch(previous_tau, pixel, 0).xyz;
+#endif
+    vec3 opacity = vec3(fog_opacity(taus.x), fog_opacity(taus.y), fog_opacity(taus.z));
+#else
 #ifdef FOG_PREVIOUS_TAU
     tau += texelFetch(previous_tau, pixel, 0).x;
 #endif
+    vec3 taus = vec3(tau, 0.0f, 0.0f);
+    vec3 opacity = vec3(fog_opacity(tau));
+#endif
 #ifdef FOG_OUTPUT_TAU
-    result = vec4(tau, 0.0f, 0.0f, 1.0f);
+    result = vec4(taus, 1.0f);
 #else
     vec4 colour = texelFetch(scene_colour, pixel, 0);
-    result = vec4(mix(colour.rgb, view.fog_colour.rgb, fog_opacity(tau)), colour.a);
+    result = vec4(mix(colour.rgb, view.fog_colour.rgb, opacity), colour.a);
 #endif
 }

@@ -55,7 +55,8 @@ Result<void> study_stability(Context& context, Results& results) {
         {"path-integral tables", [&] { return one(study_tables()); }},
         {"march", study_march},
         {"world offset", [&] { return one(study_world_offset()); }},
-        {"thin bank", [&] { return one(study_thin_bank(context)); }}};
+        {"thin bank", [&] { return one(study_thin_bank(context)); }},
+        {"separable fog", [&] { return one(study_separable()); }}};
     const double count = double(std::size(studies));
     double done = 0;
     for (const auto& [name, study] : studies) {

@@ -33,6 +33,9 @@ Result<Figure> study_world_offset();
 /// Error of froxels, march and exact for a bank of fog against its thickness.
 Result<Figure> study_thin_bank(Context& context);
 
+/// Error of separable fog as published, against the length of rays.
+Figure study_separable();
+
 // What the studies share.
 
 /// Equal on every platform, unlike std::uniform_real_distribution.

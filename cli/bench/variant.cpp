@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 
+#include "fogs.h"
 #include "options.h"
 #include "report.h"
 #include "wavefog/fogmap/coarsen.h"
@@ -27,7 +28,7 @@ const char* form_name(Form form) {
 }  // namespace
 
 Result<BenchScene> load_bench_scene(const std::filesystem::path& file) {
-    Result<Scene> scene = load_scene(file);
+    Result<Scene> scene = load_grey_scene(file);
     if (!scene) return tl::unexpected(scene.error());
     BenchScene result{file.stem().string(), {}, *std::move(scene)};
     std::ifstream stream(file);

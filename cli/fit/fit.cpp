@@ -8,6 +8,7 @@
 #include "bench/provenance.h"
 #include "command.h"
 #include "files.h"
+#include "fogs.h"
 #include "fit/choose.h"
 #include "interrupt.h"
 #include "options.h"
@@ -173,7 +174,7 @@ Result<void> check_files(const FitOptions& options, const Scene& scene) {
 
 Result<void> fit(const FitOptions& options) {
     if (auto ok = check_input(options.input); !ok) return ok;
-    const Result<Scene> scene = load_scene(options.input);
+    const Result<Scene> scene = load_grey_scene(options.input);
     if (!scene) return tl::unexpected(scene.error());
     if (scene->fogs.empty())
         return data_error(options.input.string() +

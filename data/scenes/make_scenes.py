@@ -335,6 +335,78 @@ def chimney():
                                  ["pine", "pine", "pine_young"], (0.6, 1.25), 9, 8)})
 
 
+def tables():
+    """Veils of mist one over the other: a function of height by 25 values."""
+    rnd = random.Random(12)
+    eye = (-2900, 372, 1720)
+    values = [1, 1, 0.9, 0.7, 0.42, 0.15, 0.05, 0.12, 0.42, 0.55, 0.36, 0.1, 0.02, 0.02, 0.05,
+              0.16, 0.24, 0.17, 0.06, 0.01, 0.01, 0.03, 0.06, 0.03, 0]
+    write("tables.json", {
+        "size": [1200, 675],
+        "camera": {"eye": eye, "target": (-1100, 205, 560), "up": [0, 1, 0], "fov_y_deg": 30,
+                   "near": 2, "far": 12000},
+        "sky": [0.52, 0.60, 0.76],
+        "sun": {"direction": [0.62, 0.20, -0.76], "colour": [1.5, 1.0, 0.62]},
+        "terrain": MOUNTAINS,
+        "fog_colour": [0.88, 0.80, 0.76],
+        "fog": [{"model": "layers", "profile": "table", "extinction": 0.0068,
+                 "y": {"values": values, "begin": 90, "end": 330}},
+                {"model": "layers", "profile": "exponential", "extinction": 0.00034, "base": 120,
+                 "scale": 300}],
+        "method": {"name": "exact", "mu": 1.0},
+        "meshes": groves(rnd, 700, (-2870, 800, -1800, 1760), near_eye(eye, 60), ["pine_far"],
+                         (0.6, 1.25), 50, 45)})
+
+
+def separable():
+    """Mist in drifts: Perlin noise in x and z, exponential in height (paper 001, figure 10)."""
+    rnd = random.Random(29)
+    eye, target = (176, 11.5, 136), (112, 5, 50)
+    write("separable.json", {
+        "size": [1200, 675],
+        "camera": {"eye": eye, "target": target, "up": [0, 1, 0], "fov_y_deg": 42, "near": 0.2,
+                   "far": 1500},
+        "sky": [0.44, 0.54, 0.72],
+        "sun": {"direction": [-0.72, 0.2, -0.55], "colour": [1.5, 0.98, 0.6]},
+        "terrain": HILLS,
+        "fog_colour": [0.80, 0.80, 0.82],
+        "fog": [{"model": "separable", "extinction": 0.16,
+                 "x": {"noise": {"seed": 8, "features": 16}, "begin": 0, "end": 400},
+                 "y": {"exponential": 2.6, "begin": 3.4},
+                 "z": {"noise": {"seed": 3, "features": 16}, "begin": 0, "end": 400}},
+                {"model": "layers", "profile": "exponential", "extinction": 0.0014, "base": 6,
+                 "scale": 25}],
+        "method": {"name": "exact", "mu": 1.0},
+        "meshes": [HUT] + groves(rnd, 340, (-20, -160, 270, 130),
+                                 lambda x, z: near_eye(eye, 24)(x, z) or
+                                 math.hypot(x - 124, z - 82) < 9,
+                                 ["pine", "pine", "pine_young"], (0.6, 1.25), 9, 8)})
+
+
+def channels():
+    """An evening haze that takes the blue out of what lies behind it, over banks in the valley."""
+    rnd = random.Random(4)
+    eye, target = (-2900, 400, 1720), (-900, 62, 760)
+    write("channels.json", {
+        "size": [1200, 675],
+        "camera": {"eye": eye, "target": target, "up": [0, 1, 0], "fov_y_deg": 32, "near": 2,
+                   "far": 12000},
+        "sky": [0.46, 0.52, 0.68],
+        "sun": {"direction": [0.22, 0.2, -0.92], "colour": [1.6, 0.95, 0.5]},
+        "terrain": MOUNTAINS,
+        "fog_colour": [0.88, 0.62, 0.42],
+        "fog": [
+            {"model": "wavelet", "image": "../weather_coverage_512.png", "basis": "linear",
+             "rect": [-4200, -4200, 4200, 4200], "extinction": 0.035,
+             "channels": [1, 0.92, 0.85],
+             "height": {"profile": "exponential", "base": 111, "scale": 17}},
+            {"model": "layers", "profile": "exponential", "extinction": 0.00042, "base": 140,
+             "scale": 150, "channels": [0.45, 0.8, 1.5]}],
+        "method": {"name": "exact", "mu": 1.0},
+        "meshes": groves(rnd, 900, (-2870, 800, -1800, 1760), near_eye(eye, 60), ["pine_far"],
+                         (0.6, 1.25), 50, 45)})
+
+
 if __name__ == "__main__":
     valley()
     inside()
@@ -346,3 +418,6 @@ if __name__ == "__main__":
     drift()
     change()
     chimney()
+    tables()
+    separable()
+    channels()

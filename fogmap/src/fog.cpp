@@ -78,6 +78,7 @@ Result<void> Fog::validate() const {
     if (auto ok = profile.validate(); !ok)
         return data_error("height profile: " + ok.error().message);
     if (auto ok = wind.validate(); !ok) return data_error("wind" + ok.error().message);
+    if (auto ok = wavefog::validate(channels); !ok) return ok;
     if (degree() < 0 || degree() > kMaxDegree)
         return data_error(
             fmt::format("spline degree is {}; it must be 0 to {}", degree(), kMaxDegree));

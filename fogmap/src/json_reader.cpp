@@ -79,7 +79,7 @@ JsonValue JsonValue::child(std::string_view name, const json& value) const {
     return {value, *file_, path_.empty() ? std::string(name) : fmt::format("{}.{}", path_, name)};
 }
 
-const JsonValue& JsonValue::only(std::initializer_list<std::string_view> keys) const {
+const JsonValue& JsonValue::only(const std::vector<std::string_view>& keys) const {
     if (!value_->is_object()) fail(fmt::format("is {}; it must be an object", value_->type_name()));
     for (const auto& [name, value] : value_->items())
         if (std::find(keys.begin(), keys.end(), name) == keys.end())

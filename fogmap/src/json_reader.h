@@ -32,7 +32,7 @@ class JsonValue {
 
     /// The value is an object with no keys but these; an unknown key is named beside the valid
     /// ones.
-    const JsonValue& only(std::initializer_list<std::string_view> keys) const;
+    const JsonValue& only(const std::vector<std::string_view>& keys) const;
     JsonValue key(std::string_view name) const;                  ///< required
     std::optional<JsonValue> find(std::string_view name) const;  ///< optional
 

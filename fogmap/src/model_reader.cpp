@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "axis_reader.h"
+
 namespace wavefog::detail {
 namespace {
 
@@ -19,7 +21,7 @@ double number_or(const JsonValue& value, const char* key, double otherwise) {
 }
 
 Halfspace read_halfspace(const JsonValue& value) {
-    value.only({"model", "wind", "normal", "point", "extinction", "gradient"});
+    value.only({"model", "wind", "channels", "normal", "point", "extinction", "gradient"});
     if (!value.find("extinction") && !value.find("gradient"))
         value.fail(
             "needs \"extinction\" (1/m), \"gradient\" (1/m for each metre of depth), or both");
@@ -28,9 +30,9 @@ Halfspace read_halfspace(const JsonValue& value) {
 }
 
 FogModel read_layers(const JsonValue& value) {
-    switch (value.key("profile").choice({"ramp", "exponential", "depth"})) {
+    switch (value.key("profile").choice({"ramp", "exponential", "table", "depth"})) {
         case 0: {
-            value.only({"model", "wind", "profile", "points"});
+            value.only({"model", "wind", "channels", "profile", "points"});
             Ramp fog;
             for (const JsonValue& point : value.key("points").items()) {
                 const auto v = point.numbers(2);
@@ -38,13 +40,18 @@ FogModel read_layers(const JsonValue& value) {
             }
             return fog;
         }
+        case 2:
+            value.only({"model", "wind", "channels", "profile", "extinction", "y"});
+            return Separable{value.key("extinction").number(),
+                             {AxisTable{}, read_axis(value.key("y")), AxisTable{}},
+                             Separable::Integral::exact};
         case 1:
-            value.only({"model", "wind", "profile", "extinction", "base", "scale"});
+            value.only({"model", "wind", "channels", "profile", "extinction", "base", "scale"});
             return ExponentialLayer{value.key("extinction").number(), value.key("base").number(),
                                     value.key("scale").number()};
         default:
             // Denser with depth, as water is: a halfspace whose plane is level.
-            value.only({"model", "wind", "profile", "surface", "gradient"});
+            value.only({"model", "wind", "channels", "profile", "surface", "gradient"});
             return Halfspace{{0, 1, 0},
                              {0, value.key("surface").number(), 0},
                              0,
@@ -53,7 +60,7 @@ FogModel read_layers(const JsonValue& value) {
 }
 
 Cosines read_cosines(const JsonValue& value) {
-    value.only({"model", "wind", "extinction", "waves"});
+    value.only({"model", "wind", "channels", "extinction", "waves"});
     Cosines fog;
     fog.extinction = value.key("extinction").number();
     for (const JsonValue& wave : value.key("waves").items()) {
@@ -65,7 +72,7 @@ Cosines read_cosines(const JsonValue& value) {
 }
 
 Polynomials read_polynomials(const JsonValue& value) {
-    value.only({"model", "wind", "polynomials"});
+    value.only({"model", "wind", "channels", "polynomials"});
     Polynomials fog;
     for (const JsonValue& item : value.key("polynomials").items()) {
         item.only({"extinction", "coefficients", "direction", "centre", "half_width", "outside"});
@@ -113,7 +120,7 @@ Potentials::Object read_object(const JsonValue& value) {
 }
 
 Potentials read_potentials(const JsonValue& value) {
-    value.only({"model", "wind", "extinction", "objects"});
+    value.only({"model", "wind", "channels", "extinction", "objects"});
     Potentials fog;
     fog.extinction = number_or(value, "extinction", 0);
     for (const JsonValue& object : value.key("objects").items())
@@ -121,9 +128,23 @@ Potentials read_potentials(const JsonValue& value) {
     return fog;
 }
 
+Separable read_separable(const JsonValue& value) {
+    value.only({"model", "wind", "channels", "extinction", "integral", "x", "y", "z"});
+    Separable fog;
+    fog.extinction = value.key("extinction").number();
+    if (const auto integral = value.find("integral"))
+        fog.integral = integral->choice({"exact", "published"}) == 0
+                           ? Separable::Integral::exact
+                           : Separable::Integral::published;
+    for (const auto& [key, axis] : {std::pair{"x", 0u}, {"y", 1u}, {"z", 2u}})
+        if (const auto table = value.find(key)) fog.axes[axis] = read_axis(*table);
+    return fog;
+}
+
 FogModel read_unchecked(const JsonValue& value) {
     switch (value.key("model").choice(
-        {"wavelet", "halfspace", "layers", "cosines", "polynomials", "potentials", "particles"})) {
+        {"wavelet", "halfspace", "layers", "cosines", "polynomials", "potentials", "separable",
+         "particles"})) {
         case 1:
             return read_halfspace(value);
         case 2:
@@ -132,15 +153,23 @@ FogModel read_unchecked(const JsonValue& value) {
             return read_cosines(value);
         case 4:
             return read_polynomials(value);
-        default:
+        case 5:
             return read_potentials(value);
+        default:
+            return read_separable(value);
     }
 }
 
 }  // namespace
 
+Channels read_channels(const JsonValue& value) {
+    const auto v = value.numbers(3);
+    return {v[0], v[1], v[2]};
+}
+
 FogModel read_model(const JsonValue& value) {
     FogModel model = read_unchecked(value);
+    if (const auto channels = value.find("channels")) model.channels = read_channels(*channels);
     if (const auto ok = validate(model); !ok) value.fail(ok.error().message);
     return model;
 }

@@ -6,6 +6,9 @@
 
 namespace wavefog::detail {
 
+/// [red, green, blue], unchecked.
+Channels read_channels(const JsonValue& value);
+
 /// A fog entry whose "model" is not "wavelet"; throws JsonFailure.
 FogModel read_model(const JsonValue& value);
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "separable.h"
 #include "wavefog/wavelet/cell.h"
 
 namespace wavefog {
@@ -261,6 +262,14 @@ double mean(const Potentials& fog, const Segment& segment) {
     double sum = fog.extinction;
     for (const auto& object : fog.objects) sum += mean(object, segment);
     return sum;
+}
+
+double at(const Separable& fog, const Vector3d& x) {
+    return detail::extinction_at(fog, x);
+}
+
+double mean(const Separable& fog, const Segment& segment) {
+    return detail::mean_extinction(fog, segment.start, segment.path);
 }
 
 }  // namespace

@@ -202,9 +202,46 @@ void check(Checks& checks, const Potentials& fog) {
                             fog.extinction, taken, taken));
 }
 
+void check(Checks& checks, const Separable& fog) {
+    checks.not_negative("extinction", fog.extinction);
+    for (std::size_t a = 0; a < 3; ++a) {
+        const AxisTable& axis = fog.axes[a];
+        const std::string key = fmt::format("{}.", "xyz"[a]);
+        if (axis.values.empty()) continue;
+        checks.that(axis.values.size() >= 2 && axis.values.size() <= AxisTable::kMaxValues,
+                    fmt::format("{}values has {} entries; give 2 to {}", key, axis.values.size(),
+                                AxisTable::kMaxValues));
+        checks.finite(key + "begin", axis.begin);
+        checks.finite(key + "end", axis.end);
+        checks.that(axis.begin < axis.end,
+                    fmt::format("{}end is {}, begin is {}; end must be above begin", key, axis.end,
+                                axis.begin));
+        for (std::size_t i = 0; i < axis.values.size(); ++i)
+            if (!(std::isfinite(axis.values[i]) && axis.values[i] >= 0))
+                checks.not_negative(fmt::format("{}values[{}]", key, i), axis.values[i]);
+        checks.that(!axis.repeat || axis.values.front() == axis.values.back(),
+                    fmt::format("{}values begins with {} and ends with {}; a table that repeats "
+                                "needs the same at both ends",
+                                key, axis.values.front(), axis.values.back()));
+    }
+}
+
 }  // namespace
 
+Result<void> validate(const Channels& channels) {
+    double sum = 0;
+    for (const double share : channels) {
+        if (!(std::isfinite(share) && share >= 0))
+            return data_error(fmt::format("channels is [{}, {}, {}]; each must be 0 or more",
+                                          channels[0], channels[1], channels[2]));
+        sum += share;
+    }
+    if (sum == 0) return data_error("channels is [0, 0, 0]: no colour sees the fog; raise one");
+    return {};
+}
+
 Result<void> validate(const FogModel& model) {
+    if (auto ok = validate(model.channels); !ok) return ok;
     Checks checks;
     std::visit([&](const auto& fog) { check(checks, fog); }, model);
     return checks.result();

@@ -93,6 +93,7 @@ Reference::Reference(const Fog& fog, double seconds)
       cell_x_(fog.cell_x()),
       cell_z_(fog.cell_z()),
       extinction_(fog.extinction),
+      channels_(fog.channels),
       profile_(fog.profile),
       degree_(fog.degree()),
       pyramid_(approximations(widened(fog.decomposition))) {

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
-
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <new>
 
+#include "camera_reader.h"
 #include "file_io.h"
 #include "json_reader.h"
 #include "model_reader.h"
@@ -39,70 +39,17 @@ fs::path existing_file(const JsonValue& value, const fs::path& directory) {
     return file;
 }
 
-/// The caller has looked for unknown keys.
-Camera read_camera(const JsonValue& value) {
-    Camera camera;
-    camera.eye = value.key("eye").vector3();
-    camera.target = value.key("target").vector3();
-    if (const auto up = value.find("up")) camera.up = up->vector3();
-    if (const auto projection = value.find("projection"))
-        camera.projection = projection->choice({"perspective", "orthographic"}) == 0
-                                ? Camera::Projection::perspective
-                                : Camera::Projection::orthographic;
-    if (const auto depth = value.find("depth"))
-        camera.depth = depth->choice({"standard", "reversed"}) == 0 ? Camera::Depth::standard
-                                                                    : Camera::Depth::reversed;
-    if (const auto fov = value.find("fov_y_deg")) {
-        camera.fov_y_deg = fov->above(0);
-        if (camera.fov_y_deg >= 180)
-            fov->fail(fmt::format("is {}; it must be below 180", camera.fov_y_deg));
-    }
-    if (const auto height = value.find("ortho_height")) camera.ortho_height = height->above(0);
-    if (const auto shift = value.find("lens_shift")) {
-        const auto v = shift->numbers(2);
-        camera.lens_shift = {v[0], v[1]};
-    }
-
-    const bool perspective = camera.projection == Camera::Projection::perspective;
-    if (const auto near_key = value.find("near"))
-        camera.near_plane = perspective ? near_key->above(0) : near_key->number();
-    if (const auto far_key = value.find("far")) {
-        if (far_key->is_text()) {
-            far_key->choice({"infinite"});
-            if (!perspective)
-                far_key->fail("is \"infinite\"; an orthographic camera needs a number");
-            camera.far_plane = kInfinity;
-        } else {
-            camera.far_plane = far_key->number();
-        }
-    }
-    if (!(camera.near_plane < camera.far_plane))
-        value.fail(fmt::format("near is {}, far is {}; near must be smaller than far",
-                               camera.near_plane, camera.far_plane));
-
-    const Eigen::Vector3d view = camera.target - camera.eye;
-    if (!(view.norm() > 0)) value.key("target").fail("is the same point as eye; move one of them");
-    if (!(camera.up.norm() > 0)) value.key("up").fail("is [0, 0, 0]; give a direction");
-    // 1e-6 is the sine of the smallest angle that still gives a float32 view matrix a usable side
-    // vector.
-    if (!(view.normalized().cross(camera.up.normalized()).norm() > 1e-6))
-        value.fail(
-            "up is parallel to the view from eye to target; choose another up, such as [0, 0, -1]");
-    return camera;
-}
-
 std::vector<NamedCamera> read_cameras(const JsonValue& value) {
     std::vector<NamedCamera> cameras;
     for (const JsonValue& item : value.items()) {
-        item.only({"name", "eye", "target", "up", "fov_y_deg", "near", "far", "projection",
-                   "ortho_height", "depth", "lens_shift"});
+        const Camera camera = detail::read_camera(item, {"name"});
         const JsonValue name = item.key("name");
         if (name.text().empty()) name.fail("is \"\"; give the camera a name");
         for (const NamedCamera& other : cameras)
             if (other.name == name.text())
                 name.fail(fmt::format("is \"{}\", as another camera's is; choose another name",
                                       other.name));
-        cameras.push_back({name.text(), read_camera(item)});
+        cameras.push_back({name.text(), camera});
     }
     return cameras;
 }
@@ -206,7 +153,7 @@ MapSequence read_sequence(const JsonValue& value, const fs::path& directory) {
 Fog read_fog(const JsonValue& value, const fs::path& directory,
              std::vector<MapSequence>& sequences) {
     value.only({"model", "image", "images", "file", "channel", "basis", "family", "form", "levels", "rect",
-                "extinction", "height", "wind", "wrap", "sanitize"});
+                "extinction", "height", "wind", "wrap", "sanitize", "channels"});
     const auto file = value.find("file");
     const bool changes = value.find("images").has_value();
     if (int(file.has_value()) + int(changes) + int(value.find("image").has_value()) != 1)
@@ -232,6 +179,7 @@ Fog read_fog(const JsonValue& value, const fs::path& directory,
         fog.extinction = extinction->number(0, kInfinity);
     if (const auto height = value.find("height")) fog.profile = detail::read_profile(*height);
     if (const auto wind = value.find("wind")) fog.wind = detail::read_wind(*wind);
+    if (const auto channels = value.find("channels")) fog.channels = detail::read_channels(*channels);
     if (const auto ok = fog.validate(); !ok) value.fail(ok.error().message);
     return fog;
 }
@@ -255,10 +203,7 @@ Scene read_scene(const JsonValue& root, const fs::path& directory) {
         scene.width = sides[0].integer(1, kMaxPixels);
         scene.height = sides[1].integer(1, kMaxPixels);
     }
-    const JsonValue camera = root.key("camera");
-    camera.only({"eye", "target", "up", "fov_y_deg", "near", "far", "projection", "ortho_height",
-                 "depth", "lens_shift"});
-    scene.camera = read_camera(camera);
+    scene.camera = detail::read_camera(root.key("camera"));
     if (const auto cameras = root.find("cameras")) scene.cameras = read_cameras(*cameras);
     if (const auto sky = root.find("sky")) scene.sky = sky->vector3();
     scene.sun = Sun{};
@@ -318,6 +263,12 @@ Result<Camera> find_camera(const Scene& scene, const std::string& name) {
             "no camera \"{}\": the scene has its main camera alone; add it to \"cameras\"", name));
     return usage_error(
         fmt::format("no camera \"{}\"; choose one of: {}; or none for the main one", name, names));
+}
+
+bool coloured(const std::vector<Fog>& fogs, const std::vector<FogModel>& models) {
+    const auto tinted = [](const auto& fog) { return fog.channels != kAllChannels; };
+    return std::any_of(fogs.begin(), fogs.end(), tinted) ||
+           std::any_of(models.begin(), models.end(), tinted);
 }
 
 Result<SceneFogs> load_fogs(const fs::path& file, LoadNotes* notes) {

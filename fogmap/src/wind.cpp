@@ -88,6 +88,11 @@ FogModel moved(const FogModel& model, const Vector3d& metres) {
                     wave.phase -= wave.frequency * wave.direction.dot(metres);
             } else if constexpr (std::is_same_v<Kind, Polynomials>) {
                 for (auto& term : fog.terms) term.centre += metres;
+            } else if constexpr (std::is_same_v<Kind, Separable>) {
+                for (std::size_t a = 0; a < 3; ++a) {
+                    fog.axes[a].begin += metres[static_cast<Eigen::Index>(a)];
+                    fog.axes[a].end += metres[static_cast<Eigen::Index>(a)];
+                }
             } else {
                 static_assert(std::is_same_v<Kind, Potentials>);
                 for (auto& object : fog.objects) {

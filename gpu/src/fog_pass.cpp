@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <tuple>
 
@@ -44,6 +45,27 @@ constexpr BindingOf kBlocks[] = {{"FogBlock", kFogBinding},
                                  {"ViewBlock", kViewBinding},
                                  {"PaperBlock", kPaperBinding},
                                  {"RadialBlock", kRadialBinding}};
+
+/// Models that the colours see alike, in the order in which they first come.
+const Channels& channels_of(const std::vector<FogModel>& group) {
+    return group.empty() ? kAllChannels : group.front().channels;
+}
+
+std::vector<std::vector<FogModel>> by_channels(std::vector<FogModel> models, bool with_particles) {
+    std::vector<std::vector<FogModel>> groups;
+    // All colours see particles alike; they are drawn with the first group.
+    if (with_particles) groups.emplace_back();
+    for (FogModel& model : models) {
+        const auto same = std::find_if(groups.begin(), groups.end(), [&](const auto& group) {
+            return channels_of(group) == model.channels;
+        });
+        if (same == groups.end())
+            groups.push_back({std::move(model)});
+        else
+            same->push_back(std::move(model));
+    }
+    return groups;
+}
 
 struct Target {
     Texture texture;
@@ -102,7 +124,9 @@ struct FogPass::Impl {
     std::vector<PaperTextures> paper;     ///< one a fog with the paper's methods, else none
     std::optional<RadialTables> radial;   ///< with method radial
     std::optional<FroxelVolume> froxels;  ///< draws instead of all this
-    std::optional<ModelPass> models;      ///< draws last
+    std::vector<ModelPass> models;        ///< draw last; one for each set of channels
+    bool with_particles = false;          ///< in the first of them
+    bool coloured = false;
     Buffer fog_uniforms, view_uniforms, paper_uniforms, radial_uniforms;
     VertexArray vertices;
     Target partial[2];  ///< optical depth of the fogs drawn so far, in turns
@@ -139,6 +163,7 @@ struct FogPass::Impl {
         if (radial && radial->layered(fog)) defines.push_back("RADIAL_LAYERED");
         defines.push_back(fmt::format("FOG_DEGREE {}", degree));
         defines.push_back(fmt::format("FOG_PROFILE {}", profile));
+        if (coloured) defines.push_back("FOG_CHANNELS");
         if (!colour) defines.push_back("FOG_OUTPUT_TAU");
         if (fog > 0) defines.push_back("FOG_PREVIOUS_TAU");
         auto program = build_program(gl, "post_fullscreen.vert", "fog_pass.frag", defines);
@@ -170,7 +195,8 @@ struct FogPass::Impl {
         width = w;
         height = h;
         for (auto& target : partial) {
-            target.texture = make_texture_2d(gl, GL_R32F, w, h, GL_RED, GL_FLOAT, nullptr);
+            target.texture = make_texture_2d(gl, coloured ? GL_RGBA32F : GL_R32F, w, h,
+                                             coloured ? GL_RGBA : GL_RED, GL_FLOAT, nullptr);
             if (auto framebuffer = make_framebuffer(gl, target.texture.name()))
                 target.framebuffer = std::move(*framebuffer);
         }
@@ -178,9 +204,14 @@ struct FogPass::Impl {
 
     void draw(const FrameTarget& frame, const Camera& camera, GLuint output, double seconds,
               bool colour) {
-        if (!models) return draw_maps(frame, camera, output, seconds, colour);
-        if (!fogs.empty()) draw_maps(frame, camera, models->maps_target(frame), seconds, false);
-        models->draw(frame, camera, output, colour);
+        if (models.empty()) return draw_maps(frame, camera, output, seconds, colour);
+        if (!fogs.empty())
+            draw_maps(frame, camera, models.front().maps_target(frame), seconds, false);
+        for (std::size_t i = 0; i < models.size(); ++i) {
+            const bool last = i + 1 == models.size();
+            models[i].draw(frame, camera, last ? output : models[i + 1].maps_target(frame),
+                           last && colour);
+        }
     }
 
     void draw_maps(const FrameTarget& frame, const Camera& camera, GLuint output, double seconds,
@@ -193,9 +224,6 @@ struct FogPass::Impl {
         const std::size_t count = std::max<std::size_t>(fogs.size(), 1);
         if (count > 1) make_partial_targets(frame.width, frame.height);
         const auto matrices = camera_matrices(camera, frame.width, frame.height);
-        upload_uniforms(
-            gl, view_uniforms, kViewBinding,
-            view_block(matrices, camera, frame.width, frame.height, fog_colour, method.samples));
         gl.Viewport(0, 0, frame.width, frame.height);
         gl.Disable(GL_DEPTH_TEST);
         gl.Disable(GL_BLEND);
@@ -207,6 +235,10 @@ struct FogPass::Impl {
             gl.BindFramebuffer(GL_FRAMEBUFFER, last ? output : partial[i % 2].framebuffer.name());
             const Programs& used = radial && !shared_eye ? orthographic : programs;
             gl.UseProgram(last && colour ? used.last_colour.name() : used.add_tau[i].name());
+            upload_uniforms(gl, view_uniforms, kViewBinding,
+                            view_block(matrices, camera, frame.width, frame.height, fog_colour,
+                                       method.samples,
+                                       fogs.empty() ? kAllChannels : fogs[i]->impl_->facts.channels));
             if (!fogs.empty()) {
                 const auto& fog = *fogs[i]->impl_;
                 upload_uniforms(
@@ -247,11 +279,23 @@ Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fo
             "method reference runs on the CPU (class Reference); the fog pass draws "
             "exact, radial, paper, paper-scaling, march:N, froxel:XxYxZ or homogeneous");
     auto impl = std::make_unique<Impl>(gl, std::move(fogs), method, fog_colour);
-    if (!models.empty() || with_particles) {
-        auto pass = ModelPass::create(gl, std::move(models), !impl->fogs.empty(), fog_colour,
-                                      with_particles);
+    impl->with_particles = with_particles;
+    const auto groups = by_channels(std::move(models), with_particles);
+    impl->coloured = groups.size() > 1;
+    for (const auto& group : groups)
+        impl->coloured = impl->coloured || channels_of(group) != kAllChannels;
+    for (const FogTextures* fog : impl->fogs)
+        impl->coloured = impl->coloured || fog->impl_->facts.channels != kAllChannels;
+    if (impl->coloured && method.kind == MethodKind::froxel)
+        return usage_error(
+            "method froxel fills one volume for all colours, and a fog has \"channels\"; use exact "
+            "or radial");
+    for (const auto& group : groups) {
+        const bool first = impl->models.empty();
+        auto pass = ModelPass::create(gl, group, !impl->fogs.empty() || !first, impl->coloured,
+                                      fog_colour, with_particles && first);
         if (!pass) return tl::unexpected(pass.error());
-        impl->models.emplace(std::move(*pass));
+        impl->models.push_back(std::move(*pass));
     }
     if (method.kind == MethodKind::froxel && !impl->fogs.empty()) {
         std::vector<FroxelFog> maps;
@@ -314,18 +358,27 @@ Result<void> FogPass::set_views(const std::vector<FogView>& views) {
 }
 
 Result<void> FogPass::set_models(std::vector<FogModel> models) {
-    if (impl_->models) return impl_->models->set_models(std::move(models));
-    return usage_error("the fog pass was made without formulas; make one with them");
+    const auto groups = by_channels(std::move(models), impl_->with_particles);
+    if (groups.size() != impl_->models.size())
+        return usage_error(
+            "the fog pass was made with formulas of other channels or without; make a new one");
+    for (std::size_t i = 0; i < groups.size(); ++i)
+        if (auto ok = impl_->models[i].set_models(groups[i]); !ok) return ok;
+    return {};
 }
 
 Result<void> FogPass::set_particles(std::vector<Particle> particles) {
-    if (impl_->models) return impl_->models->set_particles(std::move(particles));
+    if (impl_->with_particles) return impl_->models.front().set_particles(std::move(particles));
     return usage_error("the fog pass was made without particles; make one with them");
 }
 
 Result<void> FogPass::fogs_changed() {
     forget();
     return impl_->make_paper();
+}
+
+bool FogPass::coloured() const {
+    return impl_->coloured;
 }
 
 std::size_t FogPass::table_fills() const {

@@ -38,6 +38,7 @@ FogFacts fog_facts(const Fog& fog, const CellAtlas& atlas) {
     facts.rect = fog.rect;
     facts.profile = fog.profile;
     facts.wind = fog.wind;
+    facts.channels = fog.channels;
     facts.extinction = fog.extinction;
     facts.degree = fog.degree();
     facts.boundary = d.boundary;
@@ -50,6 +51,13 @@ FogFacts fog_facts(const Fog& fog, const CellAtlas& atlas) {
     facts.mean_density = atlas.mean_density;
     facts.skip = atlas.skippable > kSkipFrom;
     return facts;
+}
+
+double least_share(const Channels& channels) {
+    double least = 1;
+    for (const double share : channels)
+        if (share > 0) least = std::min(least, share);
+    return least;
 }
 
 int profile_number(const Profile& profile) {
@@ -100,8 +108,8 @@ shader::FogBlock fog_block(const FogFacts& fog, const Eigen::Vector3d& eye, doub
     block.scale = {static_cast<float>(1 / cell_x), static_cast<float>(1 / cell_z),
                    static_cast<float>(eta_per_metre),
                    static_cast<float>(fog.extinction * fog.density_scale)};
-    block.limit = {static_cast<float>(kStopOpticalDepth), static_cast<float>(fog.mean_density),
-                   static_cast<float>(limit), 0};
+    block.limit = {static_cast<float>(kStopOpticalDepth / least_share(fog.channels)),
+                   static_cast<float>(fog.mean_density), static_cast<float>(limit), 0};
     block.size = {fog.cells_x, fog.cells_z, fog.width, fog.height};
     for (int l = 0; l <= finest; ++l) {
         block.level[l] = fog.levels[static_cast<std::size_t>(l)];
@@ -111,20 +119,47 @@ shader::FogBlock fog_block(const FogFacts& fog, const Eigen::Vector3d& eye, doub
     return block;
 }
 
+Eigen::Matrix3d pixel_directions(const CameraMatrices& matrices, int width, int height) {
+    const Eigen::Matrix4d from_clip = eye_from_clip(matrices);
+    Eigen::Matrix3d directions;
+    directions << from_clip.col(0).head<3>() / width, from_clip.col(1).head<3>() / height,
+        from_clip.col(3).head<3>();
+    return directions;
+}
+
+SplitSum split_sum(const Eigen::Vector3d& coefficients, int width, int height) {
+    const double most = coefficients.cwiseAbs().dot(Eigen::Vector3d(width, height, 1));
+    if (most == 0) return {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+    // Multiples of a step of which no sum has more than 2^24.
+    const double step = std::exp2(std::ceil(std::log2(most)) - 24);
+    const Eigen::Vector3d high = ((coefficients / step).array().round() * step).matrix();
+    return {high, coefficients - high};
+}
+
 shader::ViewBlock view_block(const CameraMatrices& matrices, const Camera& camera, int width,
-                             int height, const Eigen::Vector3d& fog_colour, int samples) {
+                             int height, const Eigen::Vector3d& fog_colour, int samples,
+                             const Channels& channels) {
     const Eigen::Matrix4d from_clip = eye_from_clip(matrices);
     const Eigen::Vector4d at0 = from_clip.col(3), at1 = from_clip.col(3) + from_clip.col(2);
     shader::ViewBlock block{};
-    block.pixel = {static_cast<float>(2.0 / width), static_cast<float>(2.0 / height),
+    block.pixel = {static_cast<float>(width), static_cast<float>(height),
                    static_cast<float>(matrices.sky_depth),
                    camera.projection == Camera::Projection::orthographic ? 1.0f : 0.0f};
     for (int i = 0; i < 2; ++i) block.depth0[i] = block.depth1[i] = to_vec4(from_clip.col(i));
+    const Eigen::Matrix3d directions = pixel_directions(matrices, width, height);
+    for (int axis = 0; axis < 3; ++axis) {
+        const SplitSum sum = split_sum(directions.row(axis), width, height);
+        for (int i = 0; i < 3; ++i) {
+            block.ray_high[i][axis] = static_cast<float>(sum.high[i]);
+            block.ray_low[i][axis] = static_cast<float>(sum.low[i]);
+        }
+    }
     block.depth0[2] = to_vec4(at0);
     block.depth1[2] = to_vec4(at1);
     block.fog_colour = {static_cast<float>(fog_colour.x()), static_cast<float>(fog_colour.y()),
                         static_cast<float>(fog_colour.z()), 1};
     block.samples = {samples, 0, 0, 0};
+    block.channels = to_vec4({channels[0], channels[1], channels[2], 0});
     return block;
 }
 

@@ -16,6 +16,7 @@ struct FogFacts {
     Rect rect;
     Profile profile;
     Wind wind;
+    Channels channels = kAllChannels;
     double extinction = 1;
     int degree = 1;
     Boundary boundary = Boundary::zero;
@@ -34,6 +35,9 @@ int profile_number(const Profile& profile);
 
 /// The walk stops at this optical depth: T below 2^-21, a quarter of the accuracy that is promised.
 inline constexpr double kStopOpticalDepth = 14.6;
+/// The share of the colour that sees least of a fog, but some; at most 1. What ends a walk is divided
+/// by it.
+double least_share(const Channels& channels);
 
 /// FOG_ETA_MAX of fog_ray.glsl: the exponential profile is negligible above.
 inline constexpr double kEtaMax = 40;
@@ -43,7 +47,19 @@ inline constexpr double kEtaMax = 40;
 shader::FogBlock fog_block(const FogFacts& fog, const Eigen::Vector3d& eye, double mu,
                            double seconds, double sky_limit);
 
+/// Directions of a perspective camera's rays: the columns times x, y and 1, x and y twice the pixel's
+/// coordinates (its middle) less the size.
+Eigen::Matrix3d pixel_directions(const CameraMatrices& matrices, int width, int height);
+
+/// Coefficients of x, y and 1 as there, in two parts for float32: products and sums of the high
+/// ones do not round, those of the low ones are small.
+struct SplitSum {
+    Eigen::Vector3d high, low;
+};
+SplitSum split_sum(const Eigen::Vector3d& coefficients, int width, int height);
+
 shader::ViewBlock view_block(const CameraMatrices& matrices, const Camera& camera, int width,
-                             int height, const Eigen::Vector3d& fog_colour, int samples);
+                             int height, const Eigen::Vector3d& fog_colour, int samples,
+                             const Channels& channels = kAllChannels);
 
 }  // namespace wavefog

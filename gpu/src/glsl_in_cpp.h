@@ -78,6 +78,7 @@ inline vec4 texture(const sampler2D& s, vec2 p) {
 /// The shader's uniforms: one set a thread.
 inline thread_local FogBlock fog;
 inline thread_local ModelBlock models;
+inline thread_local sampler2D model_tables;
 inline thread_local sampler2D fog_cells;
 inline thread_local sampler2D fog_map;
 inline thread_local PaperBlock paper;

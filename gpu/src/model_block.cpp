@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -20,7 +21,8 @@ glm::vec4 to_vec4(double x, double y, double z = 0, double w = 0) {
 
 /// Parts of each kind: what `count` and `count_more` hold.
 struct Counts {
-    int halfspaces = 0, ramps = 0, exponentials = 0, waves = 0, polynomials = 0, objects = 0;
+    int halfspaces = 0, ramps = 0, exponentials = 0, waves = 0, polynomials = 0, objects = 0,
+        separables = 0;
 
     void add(const Halfspace&) { ++halfspaces; }
     void add(const Ramp& fog) { ramps += static_cast<int>(fog.points.size()) + 1; }
@@ -28,18 +30,30 @@ struct Counts {
     void add(const Cosines& fog) { waves += static_cast<int>(fog.waves.size()); }
     void add(const Polynomials& fog) { polynomials += static_cast<int>(fog.terms.size()); }
     void add(const Potentials& fog) { objects += static_cast<int>(fog.objects.size()); }
+    void add(const Separable&) { ++separables; }
 };
 
 class Writer {
   public:
-    Writer(const Vector3d& eye, double sky_limit) : eye_(eye) {
+    using Split = std::function<SplitSum(const Vector3d&)>;
+
+    Writer(const Vector3d& eye, double sky_limit, const Split& split) : eye_(eye), split_(split) {
         block_.limit.x = static_cast<float>(sky_limit);
+    }
+
+    void see(const Channels& channels) {
+        block_.limit.z =
+            std::max(block_.limit.z, static_cast<float>(kStopOpticalDepth / least_share(channels)));
     }
 
     void add(const Halfspace& fog) {
         const int i = block_.count.x++;
         block_.plane[i] = to_vec4(fog.normal, fog.normal.dot(eye_ - fog.point));
         block_.plane_density[i] = to_vec4(fog.extinction, fog.gradient);
+        if (!split_) return;
+        const SplitSum along = split_(fog.normal);
+        block_.plane_high[i] = to_vec4(along.high, 0);
+        block_.plane_low[i] = to_vec4(along.low, 0);
     }
 
     void add(const Ramp& fog) {
@@ -104,6 +118,27 @@ class Writer {
         }
     }
 
+    void add(const Separable& fog) {
+        const int s = block_.count_more.z++;
+        int tables = 0;
+        for (int a = 0; a < 3; ++a) {
+            const AxisTable& axis = fog.axes[static_cast<std::size_t>(a)];
+            if (axis.values.empty()) continue;
+            ++tables;
+            const double cells = static_cast<double>(axis.values.size() - 1);
+            const double per_metre = cells / (axis.end - axis.begin);
+            double u = (eye_[a] - axis.begin) * per_metre;
+            if (axis.repeat) u -= cells * std::floor(u / cells);
+            // Beyond 2^22 cells a float would not count them.
+            const double cell = std::clamp(std::floor(u), -4194304.0, 4194304.0);
+            block_.separable_axis[3 * s + a] = to_vec4(u - cell, per_metre, cells, axis.repeat);
+            block_.separable_row[3 * s + a] = {static_cast<int>(cell), tables_++, 0, 0};
+        }
+        // The mean of one function is what both integrals are.
+        const bool means = fog.integral == Separable::Integral::published || tables <= 1;
+        block_.separable[s] = to_vec4(fog.extinction, means);
+    }
+
     shader::ModelBlock block() {
         block_.limit.y = static_cast<float>(everywhere_);
         return block_;
@@ -112,7 +147,9 @@ class Writer {
   private:
     static constexpr double kFar = 1e30;  // FOG_FAR of fog_ray.glsl
     Vector3d eye_;
+    Split split_;
     double everywhere_ = 0;
+    int tables_ = 0;
     shader::ModelBlock block_{};
 };
 
@@ -130,7 +167,8 @@ Result<void> check_models(const std::vector<FogModel>& models) {
           {"exponential layers", counts.exponentials, MODEL_MAX_EXPONENTIALS},
           {"waves", counts.waves, MODEL_MAX_WAVES},
           {"polynomials", counts.polynomials, MODEL_MAX_POLYNOMIALS},
-          {"objects of potentials", counts.objects, MODEL_MAX_OBJECTS}})
+          {"objects of potentials", counts.objects, MODEL_MAX_OBJECTS},
+          {"separable fogs and tables of height", counts.separables, MODEL_MAX_SEPARABLES}})
         if (count > most)
             return data_error(
                 fmt::format("fog: {} {}, the shader holds {}; use fewer, or method "
@@ -139,9 +177,40 @@ Result<void> check_models(const std::vector<FogModel>& models) {
     return {};
 }
 
+ModelTables model_tables(const std::vector<FogModel>& models) {
+    std::vector<const AxisTable*> axes;
+    ModelTables tables;
+    for (const FogModel& model : models)
+        if (const auto* fog = std::get_if<Separable>(&model))
+            for (const AxisTable& axis : fog->axes)
+                if (!axis.values.empty()) axes.push_back(&axis);
+    tables.height = std::max(static_cast<int>(axes.size()), 1);
+    for (const AxisTable* axis : axes)
+        tables.width = std::max(tables.width, static_cast<int>(axis->values.size()));
+    tables.rgba.resize(static_cast<std::size_t>(tables.width) *
+                       static_cast<std::size_t>(tables.height) * 4);
+    float* row = tables.rgba.data();
+    for (const AxisTable* axis : axes) {
+        const auto& v = axis->values;
+        double integral = 0;
+        for (std::size_t i = 0; i < v.size(); ++i) {
+            if (i > 0) integral += (v[i - 1] + v[i]) / 2;
+            const float high = static_cast<float>(integral);
+            row[4 * i] = static_cast<float>(v[i]);
+            row[4 * i + 1] = i + 1 < v.size() ? static_cast<float>(v[i + 1] - v[i]) : 0.0f;
+            row[4 * i + 2] = high;
+            row[4 * i + 3] = static_cast<float>(integral - static_cast<double>(high));
+        }
+        row += static_cast<std::size_t>(tables.width) * 4;
+    }
+    return tables;
+}
+
 shader::ModelBlock model_block(const std::vector<FogModel>& models, const Eigen::Vector3d& eye,
-                               double sky_limit) {
-    Writer writer(eye, sky_limit);
+                               double sky_limit,
+                               const std::function<SplitSum(const Eigen::Vector3d&)>& split) {
+    Writer writer(eye, sky_limit, split);
+    for (const FogModel& model : models) writer.see(model.channels);
     for (const FogModel& model : models)
         std::visit([&](const auto& fog) { writer.add(fog); }, model);
     return writer.block();

@@ -11,14 +11,17 @@ namespace {
 constexpr GLuint kModelBinding = 0, kViewBinding = 1;
 // Texture units of the samplers of fog_pass.frag that this pass reads.
 constexpr UnitOf kSamplers[] = {{"scene_depth", 0}, {"scene_colour", 1}, {"previous_tau", 2},
-                                {"particle_tiles", 3}, {"particle_list", 4}};
+                                 {"model_tables", 3}, {"particle_tiles", 4},
+                                 {"particle_list", 5}};
 constexpr BindingOf kBlocks[] = {{"ModelBlock", kModelBinding}, {"ViewBlock", kViewBinding}};
 
-Result<Program> make_program(const Gl& gl, bool after_maps, bool particles, bool colour) {
+Result<Program> make_program(const Gl& gl, bool after_maps, bool coloured, bool particles,
+                             bool colour) {
     // FOG_METHOD_MODELS of fog_pass.frag.
     std::vector<std::string> defines = {"FOG_METHOD 6", "FOG_DEGREE 0", "FOG_PROFILE 0"};
     if (!colour) defines.push_back("FOG_OUTPUT_TAU");
     if (particles) defines.push_back("FOG_PARTICLES");
+    if (coloured) defines.push_back("FOG_CHANNELS");
     if (after_maps) defines.push_back("FOG_PREVIOUS_TAU");
     auto program = build_program(gl, "post_fullscreen.vert", "fog_pass.frag", defines);
     if (program) connect_inputs(gl, *program, kSamplers, kBlocks);
@@ -27,11 +30,11 @@ Result<Program> make_program(const Gl& gl, bool after_maps, bool particles, bool
 
 }  // namespace
 
-ModelPass::ModelPass(const Gl& gl, std::vector<FogModel> models, bool after_maps,
+ModelPass::ModelPass(const Gl& gl, bool after_maps, bool coloured,
                      const Eigen::Vector3d& fog_colour)
     : gl_(&gl),
-      models_(std::move(models)),
       after_maps_(after_maps),
+      coloured_(coloured),
       fog_colour_(fog_colour),
       model_uniforms_(
           make_buffer(gl, GL_UNIFORM_BUFFER, sizeof(shader::ModelBlock), nullptr, GL_DYNAMIC_DRAW)),
@@ -40,12 +43,13 @@ ModelPass::ModelPass(const Gl& gl, std::vector<FogModel> models, bool after_maps
       vertices_(make_vertex_array(gl)) {}
 
 Result<ModelPass> ModelPass::create(const Gl& gl, std::vector<FogModel> models, bool after_maps,
-                                    const Eigen::Vector3d& fog_colour, bool with_particles) {
-    if (auto ok = check_models(models); !ok) return tl::unexpected(ok.error());
-    ModelPass pass(gl, std::move(models), after_maps, fog_colour);
+                                    bool coloured, const Eigen::Vector3d& fog_colour,
+                                    bool with_particles) {
+    ModelPass pass(gl, after_maps, coloured, fog_colour);
+    if (auto ok = pass.set_models(std::move(models)); !ok) return tl::unexpected(ok.error());
     if (with_particles) pass.particles_.emplace(gl);
     for (auto [program, colour] : {std::pair{&pass.colour_, true}, {&pass.optical_depth_, false}}) {
-        auto made = make_program(gl, after_maps, with_particles, colour);
+        auto made = make_program(gl, after_maps, coloured, with_particles, colour);
         if (!made) return tl::unexpected(made.error());
         *program = *std::move(made);
     }
@@ -55,6 +59,9 @@ Result<ModelPass> ModelPass::create(const Gl& gl, std::vector<FogModel> models, 
 Result<void> ModelPass::set_models(std::vector<FogModel> models) {
     if (auto ok = check_models(models); !ok) return ok;
     models_ = std::move(models);
+    const ModelTables made = model_tables(models_);
+    tables_ = make_texture_2d(*gl_, GL_RGBA32F, made.width, made.height, GL_RGBA, GL_FLOAT,
+                              made.rgba.data());
     return {};
 }
 
@@ -69,7 +76,8 @@ GLuint ModelPass::maps_target(const FrameTarget& frame) {
     if (frame.width != width_ || frame.height != height_) {
         width_ = frame.width;
         height_ = frame.height;
-        maps_ = make_texture_2d(*gl_, GL_R32F, width_, height_, GL_RED, GL_FLOAT, nullptr);
+        maps_ = make_texture_2d(*gl_, coloured_ ? GL_RGBA32F : GL_R32F, width_, height_,
+                                coloured_ ? GL_RGBA : GL_RED, GL_FLOAT, nullptr);
         if (auto framebuffer = make_framebuffer(*gl_, maps_.name()))
             maps_framebuffer_ = *std::move(framebuffer);
     }
@@ -80,12 +88,18 @@ void ModelPass::draw(const FrameTarget& frame, const Camera& camera, GLuint outp
                      bool colour) {
     const Gl& gl = *gl_;
     const auto matrices = camera_matrices(camera, frame.width, frame.height);
-    auto block = model_block(models_, camera.eye, sky_limit(camera));
+    const Eigen::Matrix3d directions = pixel_directions(matrices, frame.width, frame.height);
+    const auto split = [&](const Eigen::Vector3d& normal) {
+        return split_sum(directions.transpose() * normal, frame.width, frame.height);
+    };
+    auto block = model_block(models_, camera.eye, sky_limit(camera), split);
     if (particles_)
-        block.count_more.z = particles_->upload(camera, matrices, frame.width, frame.height);
+        block.count_more.w = particles_->upload(camera, matrices, frame.width, frame.height);
     upload_uniforms(gl, model_uniforms_, kModelBinding, block);
-    upload_uniforms(gl, view_uniforms_, kViewBinding,
-                    view_block(matrices, camera, frame.width, frame.height, fog_colour_, 0));
+    const Channels& channels = models_.empty() ? kAllChannels : models_.front().channels;
+    upload_uniforms(
+        gl, view_uniforms_, kViewBinding,
+        view_block(matrices, camera, frame.width, frame.height, fog_colour_, 0, channels));
     gl.BindFramebuffer(GL_FRAMEBUFFER, output);
     gl.Viewport(0, 0, frame.width, frame.height);
     gl.Disable(GL_DEPTH_TEST);
@@ -97,14 +111,15 @@ void ModelPass::draw(const FrameTarget& frame, const Camera& camera, GLuint outp
         gl.BindTexture(GL_TEXTURE_2D, texture);
     };
     if (particles_) {
-        bind_texture(4, particles_->list());
-        bind_texture(3, particles_->tiles());
+        bind_texture(5, particles_->list());
+        bind_texture(4, particles_->tiles());
     }
+    bind_texture(3, tables_.name());
     if (after_maps_) bind_texture(2, maps_.name());
     bind_texture(1, frame.colour.name());
     bind_texture(0, frame.depth.name());
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
-    for (const GLuint unit : {4u, 3u, 2u, 1u, 0u}) bind_texture(unit, 0);
+    for (const GLuint unit : {5u, 4u, 3u, 2u, 1u, 0u}) bind_texture(unit, 0);
     gl.BindVertexArray(0);
     gl.UseProgram(0);
 }

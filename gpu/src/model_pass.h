@@ -11,37 +11,40 @@
 
 namespace wavefog {
 
-/// All models and particles in one draw; it comes after the maps and blends colour once for both.
+/// Models that the colours see alike (and particles) in one draw; it comes after the maps (or other
+/// models) and blends colour once for both.
 class ModelPass {
   public:
     /// A data error says which model is invalid, or what there is too much of. `after_maps`: a
-    /// previous optical depth is added.
+    /// previous optical depth is added. `coloured`: depths of red, green and blue, of which these
+    /// models have their channels.
     static Result<ModelPass> create(const Gl& gl, std::vector<FogModel> models, bool after_maps,
-                                    const Eigen::Vector3d& fog_colour, bool with_particles);
+                                    bool coloured, const Eigen::Vector3d& fog_colour,
+                                    bool with_particles);
 
     /// A data error as from create().
     Result<void> set_models(std::vector<FogModel> models);
     /// A usage error if the pass was made without.
     Result<void> set_particles(std::vector<Particle> particles);
 
-    /// The R32F target for the maps' optical depth, of the frame's size.
+    /// The target for the maps' optical depth (R32F, coloured RGBA32F), of the frame's size.
     GLuint maps_target(const FrameTarget& frame);
 
     /// Draws colour or optical depth; what maps_target() holds is added if there are maps.
     void draw(const FrameTarget& frame, const Camera& camera, GLuint output, bool colour);
 
   private:
-    ModelPass(const Gl& gl, std::vector<FogModel> models, bool after_maps,
-              const Eigen::Vector3d& fog_colour);
+    ModelPass(const Gl& gl, bool after_maps, bool coloured, const Eigen::Vector3d& fog_colour);
 
     const Gl* gl_;
     std::vector<FogModel> models_;
     std::optional<ParticleTextures> particles_;
-    bool after_maps_;
+    bool after_maps_, coloured_;
     Eigen::Vector3d fog_colour_;
     Program colour_, optical_depth_;
     Buffer model_uniforms_, view_uniforms_;
     VertexArray vertices_;
+    Texture tables_;
     Texture maps_;
     Framebuffer maps_framebuffer_;
     int width_ = 0, height_ = 0;

@@ -15,6 +15,10 @@ namespace {
 }  // namespace
 }  // namespace shader
 
+ModelsOnCpu::ModelsOnCpu(std::vector<FogModel> models)
+    : models_(std::move(models)),
+      tables_(std::make_shared<const ModelTables>(model_tables(models_))) {}
+
 Result<ModelsOnCpu> ModelsOnCpu::create(std::vector<FogModel> models) {
     if (auto ok = check_models(models); !ok) return tl::unexpected(ok.error());
     return ModelsOnCpu(std::move(models));
@@ -22,10 +26,11 @@ Result<ModelsOnCpu> ModelsOnCpu::create(std::vector<FogModel> models) {
 
 double ModelsOnCpu::optical_depth(const Eigen::Vector3d& o, const Eigen::Vector3d& p) const {
     shader::models = model_block(models_, o, 0);
+    shader::model_tables = {tables_->rgba.data(), tables_->width, tables_->height, 4};
     const Eigen::Vector3d path = p - o;
     const Eigen::Vector3f single = path.cast<float>();
     return shader::fog_models(glm::vec3(0.0f), {single.x(), single.y(), single.z()},
-                              static_cast<float>(path.norm()));
+                              static_cast<float>(path.norm()), glm::vec3(0.0f), 0.0f);
 }
 
 }  // namespace wavefog

@@ -57,20 +57,37 @@ PixelRay PixelRays::at(double x, double y_from_top, double depth) const {
     return ray;
 }
 
+double PixelRays::through(const Reference& fog, const PixelRay& ray, double mu) const {
+    Eigen::Vector3d end = ray.end;
+    if (ray.sky) {
+        const Eigen::Vector3d direction = ray.end - ray.origin;
+        end = ray.origin + fog.far_end(ray.origin, direction, sky_limit_) * direction;
+    }
+    return fog.optical_depth(ray.origin, end, mu);
+}
+
 double PixelRays::optical_depth(const std::vector<Reference>& fogs, const PixelRay& ray, double mu,
                                 const std::vector<FogModel>& models,
                                 const std::vector<Particle>& particles) const {
     const Eigen::Vector3d path = (ray.end - ray.origin) * (ray.sky ? sky_limit_ : 1);
     double sum = wavefog::optical_depth(models, ray.origin, ray.origin + path) +
                  wavefog::optical_depth(particles, ray.origin, ray.origin + path);
-    for (const Reference& fog : fogs) {
-        Eigen::Vector3d end = ray.end;
-        if (ray.sky) {
-            const Eigen::Vector3d direction = ray.end - ray.origin;
-            end = ray.origin + fog.far_end(ray.origin, direction, sky_limit_) * direction;
-        }
-        sum += fog.optical_depth(ray.origin, end, mu);
-    }
+    for (const Reference& fog : fogs) sum += through(fog, ray, mu);
+    return sum;
+}
+
+Eigen::Array3d PixelRays::channel_depths(const std::vector<Reference>& fogs, const PixelRay& ray,
+                                         double mu, const std::vector<FogModel>& models,
+                                         const std::vector<Particle>& particles) const {
+    const Eigen::Vector3d path = (ray.end - ray.origin) * (ray.sky ? sky_limit_ : 1);
+    Eigen::Array3d sum = Eigen::Array3d::Constant(
+        wavefog::optical_depth(particles, ray.origin, ray.origin + path));
+    const auto add = [&](const Channels& channels, double tau) {
+        sum += tau * Eigen::Array3d(channels.data());
+    };
+    for (const FogModel& model : models)
+        add(model.channels, wavefog::optical_depth(model, ray.origin, ray.origin + path));
+    for (const Reference& fog : fogs) add(fog.channels(), through(fog, ray, mu));
     return sum;
 }
 

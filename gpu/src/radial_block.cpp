@@ -328,7 +328,8 @@ shader::RadialBlock radial_block(const FogFacts& fog, const Eigen::Vector3d& eye
     block.rows = vec(per_row, 0, (0.5 - std::sqrt(r0) / per_row) / height, 1 / per_row / height);
     block.edge = vec(0.5 / width, (columns - 0.5) / width, 1.0 / shape.layers, own_columns);
     block.cell = vec(cell_x, cell_z);
-    block.stop = vec(shape.stop() / std::max(fog.extinction * fog.density_scale, 1e-30), 0);
+    const double seen = least_share(fog.channels) * fog.extinction * fog.density_scale;
+    block.stop = vec(shape.stop() / std::max(seen, 1e-30), 0);
     block.size = {columns, rows, shape.rows, shape.finest};
     // Cells of level l - 1, twice as large as level l's, serve where they are small in the picture.
     const int finest = static_cast<int>(fog.levels.size()) - 1;

@@ -63,6 +63,25 @@ inline Potentials random_potentials(Random& random, const Eigen::Vector3d& offse
     return fog;
 }
 
+inline AxisTable random_table(Random& random, int count, double begin, double end,
+                              bool repeat = false) {
+    AxisTable table{{}, begin, end, repeat};
+    for (int i = 0; i < count; ++i) table.values.push_back(random.uniform(0, 2));
+    if (repeat) table.values.back() = table.values.front();
+    return table;
+}
+
+/// Tables over 40 m around the offset; that of y ends with 0.
+inline Separable random_separable(Random& random, const Eigen::Vector3d& offset, bool repeat) {
+    Separable fog{0.03, {}, Separable::Integral::exact};
+    for (std::size_t a = 0; a < 3; ++a) {
+        const double at = offset[static_cast<Eigen::Index>(a)] + random.uniform(-2, 2);
+        fog.axes[a] = random_table(random, 9, at - 20, at + 20, repeat && a != 1);
+    }
+    fog.axes[1].values.back() = 0;
+    return fog;
+}
+
 /// One of each kind, halfspaces level and tilted, constant and linear, layers of two and four
 /// points; extinctions make tau about 1 over 50 m.
 inline std::vector<FogModel> random_models(Random& random,
@@ -77,12 +96,16 @@ inline std::vector<FogModel> random_models(Random& random,
             ExponentialLayer{0.04, y + 1, 5},
             random_cosines(random),
             random_polynomials(random, offset),
-            random_potentials(random, offset)};
+            random_potentials(random, offset),
+            random_separable(random, offset, false),
+            Separable{0.02,
+                      {AxisTable{}, random_table(random, 40, y - 12, y + 15), AxisTable{}},
+                      Separable::Integral::exact}};
 }
 
 inline std::string kind_name(const FogModel& model) {
     constexpr const char* names[] = {"halfspace", "ramp",        "exponential",
-                                     "cosines",   "polynomials", "potentials"};
+                                     "cosines",   "polynomials", "potentials", "separable"};
     return names[model.index()];
 }
 

@@ -207,6 +207,10 @@ TEST_CASE("radial without compute shaders: its shaders are GLSL ES 3.00" *
                 // What an orthographic camera gets.
                 add("fog_pass.frag", variant + "#define FOG_METHOD 0\n#define FOG_SKIP\n");
             }
+    // Formulas, and fogs that the colours see differently.
+    add("fog_pass.frag",
+        "#define FOG_DEGREE 0\n#define FOG_PROFILE 0\n#define FOG_METHOD 6\n#define FOG_CHANNELS\n"
+        "#define FOG_PREVIOUS_TAU\n");
     const auto log = folder.file("log");
     const int status =
         std::system(("glslangValidator" + files + " > " + log.string() + " 2>&1").c_str());

@@ -47,6 +47,7 @@ struct Fog {
     double extinction = 1;  ///< 1/m, >= 0
     Profile profile;
     Wind wind;
+    Channels channels = kAllChannels;    ///< no part of fog files
     Decomposition<float> decomposition;  ///< carries basis, family, form, boundary, sizes
 
     int degree() const { return decomposition.degree(); }

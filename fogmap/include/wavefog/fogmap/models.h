@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <string>
 #include <variant>
 #include <vector>
@@ -82,15 +83,51 @@ struct Potentials {
     std::vector<Object> objects;
 };
 
-using FogModel = std::variant<Halfspace, Ramp, ExponentialLayer, Cosines, Polynomials, Potentials>;
+/// A function of one coordinate: straight lines between evenly spaced values (paper 001, section
+/// 3.2.2: an integral that is computed before, eq. 6-8).
+struct AxisTable {
+    std::vector<double> values;  ///< 0 or more each; none: 1 everywhere; else 2 to kMaxValues
+    double begin = 0, end = 1;   ///< where the first and the last one lie, metres
+    bool repeat = false;         ///< outside: the table again (its last value is the first), or its
+                                 ///< first and last value
+    static constexpr std::size_t kMaxValues = 4096;
+};
+
+/// extinction * x(x) * y(y) * z(z) (paper 001, section 3.2.3). With one table alone it is a layer,
+/// level or upright, of any shape.
+struct Separable {
+    enum class Integral {
+        exact,     ///< of the product: a walk over the tables' values
+        published  ///< F(x) F(y) F(z): the product of the three means, times distance. That is no
+                   ///< line integral: parts of a segment do not add up
+    };
+    double extinction = 0;  ///< 1/m
+    std::array<AxisTable, 3> axes;
+    Integral integral = Integral::exact;
+};
+
+/// How much of a fog's extinction red, green and blue see (paper 001, section 3.2.5). A density of
+/// its own for each channel is three fogs, each seen by one.
+using Channels = std::array<double, 3>;
+inline constexpr Channels kAllChannels = {1, 1, 1};
+
+struct FogModel : std::variant<Halfspace, Ramp, ExponentialLayer, Cosines, Polynomials, Potentials,
+                               Separable> {
+    using variant::variant;
+    Channels channels = kAllChannels;
+};
+
+/// A data error for channels that are negative, not finite, or all 0.
+Result<void> validate(const Channels& channels);
 
 /// A data error that names the field, as in the scene file: "waves[1].direction is [0, 0, 0]; ...".
 Result<void> validate(const FogModel& model);
 
-/// Extinction at a point, 1/m. The model must pass validate(), here and below.
+/// Extinction at a point, 1/m, before `channels`. The model must pass validate(), here and below.
 double extinction(const FogModel& model, const Eigen::Vector3d& point);
 
-/// Integral of extinction from O to P in double: 0 for a zero-length segment, symmetric, additive.
+/// Integral of extinction from O to P in double, before `channels`: 0 for a zero-length segment,
+/// symmetric, additive (but Separable::Integral::published).
 double optical_depth(const FogModel& model, const Eigen::Vector3d& o, const Eigen::Vector3d& p);
 
 /// Several fogs add their optical depths.

@@ -15,7 +15,7 @@ namespace wavefog {
 struct NoiseOptions {
     enum class Kind {
         perlin,  ///< on squares
-        simplex  ///< on triangles: no direction stands out
+        simplex  ///< on simplices: no direction stands out; GLM's has steps of up to 1/100
     };
     Kind kind = Kind::perlin;
     std::uint64_t seed = 0;
@@ -34,7 +34,7 @@ class Noise {
     /// tiles have a whole number of features along both.
     static Result<Noise> create(const NoiseOptions& options, double aspect);
 
-    /// About -1 to 1, mean 0; u and v in [0, 1] across and down the picture.
+    /// Mean about 0, mostly within -1 to 1 (GLM scales by eye); u and v in [0, 1] across and down the picture.
     double operator()(double u, double v) const;
 
   private:

@@ -39,6 +39,8 @@ class Reference {
     /// Returns 0 if the ray misses.
     double far_end(const Eigen::Vector3d& o, const Eigen::Vector3d& d, double limit) const;
 
+    const Channels& channels() const { return channels_; }
+
   private:
     struct Line;   // a segment in the map's causal coordinates
     struct Range;  // a part of it, by its parameter
@@ -53,6 +55,7 @@ class Reference {
     double origin_x_ = 0, origin_z_ = 0;  ///< of the map, metres
     double cell_x_ = 1, cell_z_ = 1;
     double extinction_ = 1;
+    Channels channels_ = kAllChannels;
     Profile profile_;
     int degree_ = 1;
     Pyramid<double> pyramid_;

@@ -116,6 +116,9 @@ Result<Scene> load_scene(const std::filesystem::path& file);
 /// The camera of `scene.cameras` with that name; a usage error lists the names there are.
 Result<Camera> find_camera(const Scene& scene, const std::string& name);
 
+/// Whether some fog is not seen by all colours alike.
+bool coloured(const std::vector<Fog>& fogs, const std::vector<FogModel>& models);
+
 /// What a scene's "fog" holds: all of it adds up.
 struct SceneFogs {
     std::vector<Fog> fogs;

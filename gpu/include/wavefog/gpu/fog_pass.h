@@ -31,6 +31,8 @@ class FogTextures {
     std::unique_ptr<Impl> impl_;
 };
 
+struct ModelTables;
+
 /// A camera and the size of its picture, pixels.
 struct FogView {
     Camera camera;
@@ -64,7 +66,11 @@ class FogPass {
     /// L = T L_scene + (1 - T) L_fog (paper 004, eq. 4) into `output` (RGBA16F or RGBA32F colour).
     void draw_colour(const FrameTarget& frame, const Camera& camera, GLuint output_framebuffer,
                      double seconds = 0);
-    /// The sum of the fogs' optical depths into a R32F target.
+    /// Whether some fog is not seen by all colours alike (Channels). Not with method froxel.
+    bool coloured() const;
+
+    /// The sum of the fogs' optical depths into a R32F target, or if coloured() those of red, green
+    /// and blue into an RGBA32F one.
     void draw_optical_depth(const FrameTarget& frame, const Camera& camera,
                             GLuint output_framebuffer, double seconds = 0);
 
@@ -120,8 +126,9 @@ class ModelsOnCpu {
     double optical_depth(const Eigen::Vector3d& o, const Eigen::Vector3d& p) const;
 
   private:
-    explicit ModelsOnCpu(std::vector<FogModel> models) : models_(std::move(models)) {}
+    explicit ModelsOnCpu(std::vector<FogModel> models);
     std::vector<FogModel> models_;
+    std::shared_ptr<const ModelTables> tables_;
 };
 
 }  // namespace wavefog

@@ -40,8 +40,14 @@ class PixelRays {
     double optical_depth(const std::vector<Reference>& fogs, const PixelRay& ray, double mu = 1,
                          const std::vector<FogModel>& models = {},
                          const std::vector<Particle>& particles = {}) const;
+    /// The same as red, green and blue see it: each fog times its channels; particles alike.
+    Eigen::Array3d channel_depths(const std::vector<Reference>& fogs, const PixelRay& ray,
+                                  double mu = 1, const std::vector<FogModel>& models = {},
+                                  const std::vector<Particle>& particles = {}) const;
 
   private:
+    double through(const Reference& fog, const PixelRay& ray, double mu) const;
+
     Eigen::Matrix4d eye_from_clip_;
     Eigen::Vector3d eye_;
     double sky_depth_, sky_limit_;
