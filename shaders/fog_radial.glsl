@@ -78,12 +78,18 @@ struct RadialPlace {
 };
 
 #ifdef RADIAL_STEP
-// A_n of the density between a row, `from` metres from the eye, and `to`.
-vec3 radial_last_step(RadialPlace place, int row, float from, float to) {
+// The level whose grid the table reads between a row and the next.
+int radial_level(RadialPlace place, int row) {
     int l = place.finest;
     while (l > 0 && row + 1 >= radial.level[l].x) {
         --l;
     }
+    return l;
+}
+
+// A_n of the density between a row, `from` metres from the eye, and `to`.
+vec3 radial_last_step(RadialPlace place, int row, float from, float to) {
+    int l = radial_level(place, row);
     ivec4 level = fog.level[l];
     FogGrid grid = fog_grid(vec2(fog.eye.x, fog.eye.y), place.slope, l);
     float twist = grid.g.x * grid.g.y;

@@ -88,10 +88,7 @@ vec3 radial_density(vec3 at_a, vec3 at_b, float d, bool curved) {
 #ifdef RADIAL_STEP
 // Integral of density times profile over [from, to], behind a row and before the next: cell by cell.
 float radial_profile_step(RadialPlace place, RadialSlope slope, int row, float from, float to) {
-    int l = place.finest;
-    while (l > 0 && row + 1 >= radial.level[l].x) {
-        --l;
-    }
+    int l = radial_level(place, row);
     ivec4 level = fog.level[l];
     FogGrid grid = fog_grid(vec2(fog.eye.x, fog.eye.y), place.slope, l);
     vec2 half_g = 0.5f * grid.g;
@@ -119,9 +116,7 @@ float radial_profile_step(RadialPlace place, RadialSlope slope, int row, float f
 }
 #endif
 
-// Integral of density times profile over L in [from, to]. Between two rows the density is taken to be
-// the parabola with the same moments, which A_1 to A_3 give; rows
-// are as far apart as the profile allows.
+// Integral of density times profile over L in [from, to], from row to row.
 float radial_profile(RadialPlace place, RadialSlope slope, float from, float to) {
     vec2 spacing = radial_spacing();
     float length = radial.radius.y;

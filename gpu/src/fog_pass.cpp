@@ -47,10 +47,6 @@ constexpr BindingOf kBlocks[] = {{"FogBlock", kFogBinding},
                                  {"RadialBlock", kRadialBinding}};
 
 /// Models that the colours see alike, in the order in which they first come.
-const Channels& channels_of(const std::vector<FogModel>& group) {
-    return group.empty() ? kAllChannels : group.front().channels;
-}
-
 std::vector<std::vector<FogModel>> by_channels(std::vector<FogModel> models, bool with_particles) {
     std::vector<std::vector<FogModel>> groups;
     // All colours see particles alike; they are drawn with the first group.

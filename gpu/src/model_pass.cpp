@@ -96,10 +96,9 @@ void ModelPass::draw(const FrameTarget& frame, const Camera& camera, GLuint outp
     if (particles_)
         block.count_more.w = particles_->upload(camera, matrices, frame.width, frame.height);
     upload_uniforms(gl, model_uniforms_, kModelBinding, block);
-    const Channels& channels = models_.empty() ? kAllChannels : models_.front().channels;
-    upload_uniforms(
-        gl, view_uniforms_, kViewBinding,
-        view_block(matrices, camera, frame.width, frame.height, fog_colour_, 0, channels));
+    upload_uniforms(gl, view_uniforms_, kViewBinding,
+                    view_block(matrices, camera, frame.width, frame.height, fog_colour_, 0,
+                               channels_of(models_)));
     gl.BindFramebuffer(GL_FRAMEBUFFER, output);
     gl.Viewport(0, 0, frame.width, frame.height);
     gl.Disable(GL_DEPTH_TEST);

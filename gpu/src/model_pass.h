@@ -11,6 +11,11 @@
 
 namespace wavefog {
 
+/// The channels that models seen alike have; without models, all.
+inline const Channels& channels_of(const std::vector<FogModel>& models) {
+    return models.empty() ? kAllChannels : models.front().channels;
+}
+
 /// Models that the colours see alike (and particles) in one draw; it comes after the maps (or other
 /// models) and blends colour once for both.
 class ModelPass {
