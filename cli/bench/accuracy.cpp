@@ -164,34 +164,33 @@ RayLimits ray_limits(const std::vector<Fog>& fogs, const Camera& camera, const I
 }
 
 FogBounds::FogBounds(const Fog& fog)
-    : dropped(fog), densest(fog.extinction * double(reconstruct(fog.decomposition).maxCoeff())) {}
+    : dropped(fog),
+      march(fog),
+      densest(fog.extinction * double(reconstruct(fog.decomposition).maxCoeff())) {}
 
-std::optional<double> certified_bound(const std::vector<Fog>& fogs,
-                                      const std::vector<FogBounds>& bounds, const Method& method,
-                                      const Camera& camera, int width, int height,
-                                      const RayLimits& limits) {
+double certified_bound(const std::vector<Fog>& fogs, const std::vector<FogBounds>& bounds,
+                       const Method& method, const Camera& camera, int width, int height,
+                       const RayLimits& limits) {
     if (method.kind == MethodKind::radial && camera.projection == Camera::Projection::perspective) {
         // |dT| of a product of factors that are at most 1 is at most the sum of theirs.
         double sum = 0;
-        for (std::size_t i = 0; i < fogs.size(); ++i) {
-            const auto bound =
-                radial_bound(fogs[i], bounds[i].dropped, method, camera, width, height, limits);
-            if (!bound) return std::nullopt;
-            sum += *bound;
-        }
+        for (std::size_t i = 0; i < fogs.size(); ++i)
+            sum += radial_bound(fogs[i], bounds[i].dropped, method, camera, width, height, limits);
         return std::min(sum, 1.0);
     }
     const bool paper = method.kind == MethodKind::paper || method.kind == MethodKind::paper_scaling;
+    const bool march = method.kind == MethodKind::march;
     // Radial draws an orthographic picture as exact does.
-    if (method.kind != MethodKind::exact && method.kind != MethodKind::radial && !paper)
-        return std::nullopt;
+    if (method.kind != MethodKind::exact && method.kind != MethodKind::radial && !paper && !march)
+        return 1;
     double tau = 0, densest = 0;
     for (std::size_t i = 0; i < fogs.size(); ++i) {
         densest += bounds[i].densest;
         // Their tables are exact for degree 0 and 1 with mean densities alone.
-        if (paper && (fogs[i].degree() > 1 || method.layout != PathLayout::mean))
-            return std::nullopt;
-        if (method.mu < 1)
+        if (paper && (fogs[i].degree() > 1 || method.layout != PathLayout::mean)) return 1;
+        if (march)
+            tau += bounds[i].march.optical_depth(method.samples, limits.length, limits.rise);
+        else if (method.mu < 1)
             tau += bounds[i].dropped.optical_depth(method.mu, limits.length, limits.rise);
     }
     const double rounding = 0x1p-21 + 4 * 0x1p-24 * densest * limits.length;

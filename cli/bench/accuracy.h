@@ -6,6 +6,7 @@
 
 #include "wavefog/fogmap/image.h"
 #include "wavefog/fogmap/scene.h"
+#include "wavefog/gpu/march_bound.h"
 #include "wavefog/gpu/radial_bound.h"
 
 namespace wavefog::cli {
@@ -36,17 +37,19 @@ RayLimits ray_limits(const std::vector<Fog>& fogs, const Camera& camera, const I
 struct FogBounds {
     explicit FogBounds(const Fog& fog);
     DetailBound dropped;
+    MarchBound march;
     double densest = 0;  ///< 1/m
 };
 
 /// Bound on |dT| for every ray of a picture of `width` x `height` pixels within `limits`: certified
-/// for dropped details and for radial's tables, and what float32 adds to first order: walks stop at
-/// T = 2^-21, and a place along a ray is off by four units in its last place, times the densest fog
-/// there is. Empty for methods that sample, and where radial_bound() has none. `bounds`: one a fog.
-std::optional<double> certified_bound(const std::vector<Fog>& fogs,
-                                      const std::vector<FogBounds>& bounds, const Method& method,
-                                      const Camera& camera, int width, int height,
-                                      const RayLimits& limits);
+/// for dropped details, for radial's tables and for march's samples, and what float32 adds to first
+/// order: walks stop at T = 2^-21, and a place along a ray is off by four units in its last place,
+/// times the densest fog there is. 1, which holds always, for methods that may miss any fog:
+/// homogeneous, froxel, and the paper's tables of quadratic functions and by perimeter. `bounds`:
+/// one a fog.
+double certified_bound(const std::vector<Fog>& fogs, const std::vector<FogBounds>& bounds,
+                       const Method& method, const Camera& camera, int width, int height,
+                       const RayLimits& limits);
 
 struct Accuracy {
     double max_dT = 0, p99_dT = 0;                   ///< of |T - T_true| over the pixels

@@ -7,18 +7,12 @@
 namespace wavefog {
 namespace {
 
-// The grid of E_l is no finer than this along a side: the paths are found in milliseconds.
 constexpr int kMostBlocks = 128;
-
-/// Finest cells of a block.
-struct Blocks {
-    int x = 1, z = 1;
-};
 
 /// Adds to every block the largest |coefficient| of `residual` that reaches one of its cells.
 /// `size`: finest cells a cell of the residual's grid.
-void add_reach(const Band<float>& residual, int size, int degree, Blocks block, bool repeat,
-               Grid<float>& sum) {
+void add_reach(const Band<float>& residual, int size, int degree, const Eigen::Vector2i& block,
+               bool repeat, Grid<float>& sum) {
     Grid<float> most = Grid<float>::Zero(sum.rows(), sum.cols());
     // The blocks under the support [k, k + degree + 1] of index k, not wrapped.
     const auto blocks = [&](int k, int cells) {
@@ -31,11 +25,11 @@ void add_reach(const Band<float>& residual, int size, int degree, Blocks block, 
         return b >= 0 && b < n ? b : -1;
     };
     for (int j = 0; j < residual.height(); ++j) {
-        const auto [z0, z1] = blocks(residual.start_z + j, block.z);
+        const auto [z0, z1] = blocks(residual.start_z + j, block.y());
         for (int i = 0; i < residual.width(); ++i) {
             const float value = std::abs(residual.values(j, i));
             if (value == 0) continue;
-            const auto [x0, x1] = blocks(residual.start_x + i, block.x);
+            const auto [x0, x1] = blocks(residual.start_x + i, block.x());
             for (int bz = z0; bz <= z1; ++bz)
                 for (int bx = x0; bx <= x1; ++bx) {
                     const int r = wrapped(bz, sum.rows());
@@ -78,6 +72,32 @@ double heaviest_path(const Grid<float>& density, Eigen::Index columns, bool repe
 
 }  // namespace
 
+Eigen::Vector2i path_blocks(int cells_x, int cells_z, bool repeat) {
+    int block = 1;
+    while (std::max(cells_x, cells_z) > block * kMostBlocks) block *= 2;
+    // Paths count whole blocks; a period that has none is one block, whose bound is looser.
+    if (repeat && (cells_x % block != 0 || cells_z % block != 0)) return {cells_x, cells_z};
+    return {block, block};
+}
+
+double heaviest_segment(const Grid<float>& density, double block_x, double block_z, bool repeat,
+                        double length, double rise) {
+    if (length <= 0) return 0;
+    const auto along = [&](const Grid<float>& grid, double across) {
+        // Lines flatter than a block's diagonal enter at most two rows of a column; a segment
+        // touches one column more than it covers.
+        const double covered = std::ceil(length / across) + 1;
+        const double width = double(grid.cols());
+        if (covered <= width) return heaviest_path(grid, Eigen::Index(covered), repeat);
+        const double turns = repeat ? std::ceil(covered / width) : 1;
+        return turns * heaviest_path(grid, grid.cols(), repeat);
+    };
+    const double heaviest = std::max(along(density, block_x), along(density.transpose(), block_z));
+    const double through_block = std::min(std::hypot(block_x, block_z), length);
+    const double most = double(density.maxCoeff());
+    return std::min(heaviest * through_block + rise * most, length * most);
+}
+
 DetailBound::DetailBound(const Fog& fog) : repeat_(fog.decomposition.boundary == Boundary::repeat) {
     const Decomposition<float> scaling = fog.decomposition.form == Form::scaling
                                              ? fog.decomposition
@@ -85,38 +105,17 @@ DetailBound::DetailBound(const Fog& fog) : repeat_(fog.decomposition.boundary ==
     const int levels = scaling.levels(), degree = scaling.degree();
     const int cells_x = scaling.width + (repeat_ ? 0 : degree);
     const int cells_z = scaling.height + (repeat_ ? 0 : degree);
-    Blocks block;
-    while (std::max(cells_x, cells_z) > block.x * kMostBlocks) block.x = block.z *= 2;
-    // Paths count whole blocks; a period that has none is one block, whose bound is looser.
-    if (repeat_ && (cells_x % block.x != 0 || cells_z % block.z != 0)) block = {cells_x, cells_z};
-    block_x_ = block.x * fog.cell_x();
-    block_z_ = block.z * fog.cell_z();
+    const Eigen::Vector2i block = path_blocks(cells_x, cells_z, repeat_);
+    block_x_ = block.x() * fog.cell_x();
+    block_z_ = block.y() * fog.cell_z();
     dropped_.resize(std::size_t(levels));
-    Grid<float> sum =
-        Grid<float>::Zero((cells_z + block.z - 1) / block.z, (cells_x + block.x - 1) / block.x);
+    Grid<float> sum = Grid<float>::Zero((cells_z + block.y() - 1) / block.y(),
+                                        (cells_x + block.x() - 1) / block.x());
     for (int l = levels - 1; l >= 0; --l) {
         add_reach(scaling.details[std::size_t(l)].residual, 1 << (levels - 1 - l), degree, block,
                   repeat_, sum);
         dropped_[std::size_t(l)] = sum * float(fog.extinction);
     }
-}
-
-double DetailBound::heaviest_segment(const Grid<float>& density, double length, double rise) const {
-    if (length <= 0) return 0;
-    const auto along = [&](const Grid<float>& grid, double across) {
-        // Lines flatter than a block's diagonal enter at most two rows of a column; a segment
-        // touches one column more than it covers.
-        const double covered = std::ceil(length / across) + 1;
-        const double width = double(grid.cols());
-        if (covered <= width) return heaviest_path(grid, Eigen::Index(covered), repeat_);
-        const double turns = repeat_ ? std::ceil(covered / width) : 1;
-        return turns * heaviest_path(grid, grid.cols(), repeat_);
-    };
-    const double heaviest =
-        std::max(along(density, block_x_), along(density.transpose(), block_z_));
-    const double through_block = std::min(std::hypot(block_x_, block_z_), length);
-    const double most = double(density.maxCoeff());
-    return std::min(heaviest * through_block + rise * most, length * most);
 }
 
 double DetailBound::optical_depth(double mu, double length, double rise) const {
@@ -125,7 +124,8 @@ double DetailBound::optical_depth(double mu, double length, double rise) const {
         // Level l is the finest that counts from length mu^(l + 1) to length mu^l.
         const double from = std::pow(mu, l + 1), to = std::pow(mu, l);
         const double share = to - from;
-        sum += heaviest_segment(dropped_[std::size_t(l)], length * share, rise * share);
+        sum += heaviest_segment(dropped_[std::size_t(l)], block_x_, block_z_, repeat_,
+                                length * share, rise * share);
     }
     return sum;
 }

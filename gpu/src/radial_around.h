@@ -6,9 +6,8 @@
 
 namespace wavefog {
 
-std::optional<double> radial_bound_around(const Fog& fog, const DetailBound& dropped,
-                                          const Method& method, const Eigen::Vector3d& eye,
-                                          const RadialView& view, double seconds, double limit,
-                                          const RayLimits& limits);
+double radial_bound_around(const Fog& fog, const DetailBound& dropped, const Method& method,
+                           const Eigen::Vector3d& eye, const RadialView& view, double seconds,
+                           double limit, const RayLimits& limits);
 
 }  // namespace wavefog

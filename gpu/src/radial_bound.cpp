@@ -2,33 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <vector>
 
 #include "fog_uniforms.h"
 #include "radial_around.h"
+#include "radial_bound_profile.h"
 #include "radial_wedge.h"
 #include "wavefog/gpu/pixel_rays.h"
 
 namespace wavefog {
 namespace {
 
-// Sums of float32 terms along a column; a look-up itself.
-constexpr double kUlp = 0x1p-24, kLookUp = 64;
 // Pieces of the height profile's value where a ray ends.
 constexpr int kEnds = 4;
-
-/// The largest |dT| of rays whose optical depth is at least k tau and off by at most k error, for
-/// all k from least to most. `drawn`: k times this is drawn at least.
-double worst(double tau, double error, double least, double most, double drawn) {
-    if (error <= 0 || most <= 0) return 0;
-    double bound = std::min(-std::expm1(-most * error), std::exp(-least * std::min(tau, drawn)));
-    // exp(-k tau) (exp(k error) - 1) has one maximum.
-    double k = most;
-    if (error < tau) k = std::clamp(-std::log1p(-error / tau) / error, least, most);
-    if (k * error < 30) bound = std::min(bound, std::exp(-k * tau) * std::expm1(k * error));
-    return bound;
-}
 
 /// A ray's height profile, seen from the eye.
 struct Heights {
@@ -53,18 +41,10 @@ Heights heights_of(const Profile& profile, double y) {
 /// Goes through a table's wedges.
 class Search {
   public:
-    Search(RadialWedges& wedges, const Heights& heights, const RayLimits& limits, double densest,
-           double cell, const RadialShape& shape)
-        : wedges_(wedges),
-          heights_(heights),
-          limits_(limits),
-          densest_(densest),
-          cell_(cell),
-          stop_(shape.stop()),
-          step_(shape.step) {}
+    Search(RadialWedges& wedges, const Heights& heights, const RadialFacts& facts, double stop)
+        : wedges_(wedges), heights_(heights), facts_(facts), limits_(facts.limits), stop_(stop) {}
 
-    /// False if there are rays that the table ends before.
-    bool add(int wedge, bool repeat);
+    void add(int wedge);
     double largest() const { return largest_; }
 
   private:
@@ -77,20 +57,23 @@ class Search {
     double longest(double r) const {
         return std::min({limits_.length, std::hypot(r, limits_.rise), limits_.steepest * r});
     }
-    double rounding(double far, double high) const {
-        return (kLookUp + 2 * far / cell_) * kUlp * high + 4 * kUlp * densest_ * far;
-    }
+    double rounding(double far, double high) const { return radial_rounding(facts_, far, high); }
     void include(double bound) { largest_ = std::max(largest_, bound); }
+    void include(double tau, double error, double least, double most, double drawn) {
+        include(facts_.depth_only ? most * error : worst_error(tau, error, least, most, drawn));
+    }
     bool visit_whole(const RadialStretch& s, double exit);
     bool visit_linear(const RadialStretch& s, double exit);
     void between_slabs();
 
     RadialWedges& wedges_;
     Heights heights_;
+    RadialFacts facts_;
     RayLimits limits_;
-    double densest_, cell_, stop_;
-    bool step_;  ///< look-ups are exact behind their row
+    double stop_;
     double largest_ = 0;
+    double low_ = 0,
+           error_ = 0;   ///< uniform: the least optical depth of the last stretch, its error
     double second_ = 0;  ///< linear: the largest error of A_2 over its distance so far
     std::vector<RadialStretch> stretches_;
 };
@@ -101,13 +84,16 @@ bool Search::visit_whole(const RadialStretch& s, double exit) {
     const double r = wedges_.start() + s.near;
     if (r == 0) {
         const double most = longest(s.far);
-        include(worst(s.density_low, s.relative + round / s.far, 0, most, 0));
+        include(s.density_low, s.relative + round / s.far, 0, most, 0);
         return true;
     }
-    const double error = s.angular + s.radial + s.missing + round;
-    include(worst(s.low, error, 1, steepest(r, exit), std::min(s.low, stop_) * 0.999));
+    const double error = s.angular + s.radial + (facts_.depth_only ? 0 : s.missing) + round;
+    low_ = s.low;
+    error_ = error;
+    include(s.low, error, 1, steepest(r, exit), std::min(s.low, stop_) * 0.999);
     const double least = std::min(s.low, stop_) * 0.999;
     // Behind so much fog neither T is larger.
+    if (facts_.depth_only) return s.low <= stop_ + 1;
     if (s.low > stop_ + 1 || std::exp(-least) <= largest_) {
         include(std::exp(-least));
         return false;
@@ -139,7 +125,7 @@ bool Search::visit_linear(const RadialStretch& s, double exit) {
             const double mean = s.low_2 / (wedges_.start() + s.far);
             tau = low < eye ? (eye - low) * mean + low * s.low : eye * s.low;
         }
-        include(worst(tau, error, least, most, 0));
+        include(tau, error, least, most, 0);
     }
     return true;
 }
@@ -171,17 +157,18 @@ void Search::between_slabs() {
             const double steep = std::hypot(1, heights_.near / near);
             error = steep * (one.radial + round + most - one.angular_near);
         }
-        include(-std::expm1(-error));
+        include(0, error, 0, 1, 0);
     }
 }
 
-bool Search::add(int wedge, bool repeat) {
+void Search::add(int wedge) {
     const bool through = heights_.kind == Profile::Kind::slab && heights_.near > 0;
     bool seen_whole = true;
     stretches_.clear();
     second_ = 0;
     wedges_.walk(wedge, [&](RadialStretch s, double exit) {
-        if (step_) s.radial = s.radial_2 = s.relative = 0;
+        if (facts_.step) s.radial = s.radial_2 = s.relative = 0;
+        if (facts_.depth_only) s.angular = s.angular_near = 0;
         if (wedges_.start() + s.near > limits_.length) return seen_whole = false;
         if (through)
             stretches_.push_back(s);
@@ -192,8 +179,67 @@ bool Search::add(int wedge, bool repeat) {
         return true;
     });
     if (through) between_slabs();
-    return !(seen_whole && repeat && wedges_.start() + wedges_.length() < limits_.length);
+    const double rest = limits_.length - wedges_.start() - wedges_.length();
+    // Behind a table that ends in repeated fog the shader goes on with its mean.
+    if (seen_whole && facts_.repeat && rest > 0) {
+        const double end = wedges_.start() + wedges_.length();
+        if (heights_.kind == Profile::Kind::uniform)
+            include(low_, error_ + facts_.densest * rest, 1, steepest(end, end), 0);
+        else
+            include(1);
+    }
 }
+
+/// Of look-ups in tables for each level (0 < mu < 1): |dtau| of what azimuths and left out levels
+/// add, each level's between the ends of its part of a ray.
+class LayeredSearch {
+  public:
+    LayeredSearch(std::vector<RadialWedges>& layers, const RayLimits& limits, double mu)
+        : layers_(layers), limits_(limits), mu_(mu), sums_(layers.size()) {}
+
+    void add(int wedge) {
+        std::vector<double> far;
+        for (std::size_t l = 0; l < layers_.size(); ++l) {
+            sums_[l] = {0};
+            far = {0};
+            layers_[l].walk(wedge, [&](const RadialStretch& s, double) {
+                sums_[l].push_back(s.angular);
+                far.push_back(s.far);
+                return true;
+            });
+        }
+        const double start = layers_[0].start();
+        for (std::size_t row = 1; row < far.size(); ++row) {
+            const double near = start + far[row - 1], r = start + far[row];
+            if (near > limits_.length) break;
+            double sum = 0;
+            for (std::size_t l = 0; l < layers_.size(); ++l) {
+                // Distances r mu^l of rays that end in this stretch.
+                const double to = r * std::pow(mu_, double(l)) - start;
+                const double from =
+                    l + 1 < layers_.size() ? near * std::pow(mu_, double(l + 1)) - start : -start;
+                const auto before = std::upper_bound(far.begin(), far.end(), from);
+                const auto behind = std::lower_bound(far.begin(), far.end(), to);
+                const auto at = [&](auto place, int off) {
+                    const auto index = std::distance(far.begin(), place) + off;
+                    return sums_[l][std::size_t(
+                        std::clamp<std::ptrdiff_t>(index, 0, std::ptrdiff_t(far.size()) - 1))];
+                };
+                if (to > 0) sum += at(behind, 0) - at(before, -1);
+            }
+            const double longest =
+                std::min({limits_.length, std::hypot(r, limits_.rise), limits_.steepest * r});
+            largest_ = std::max(largest_, sum * std::max(longest / r, 1.0));
+        }
+    }
+    double largest() const { return largest_; }
+
+  private:
+    std::vector<RadialWedges>& layers_;
+    RayLimits limits_;
+    double mu_, largest_ = 0;
+    std::vector<std::vector<double>> sums_;
+};
 
 /// Metres of a picture's ray a metre on the ground, at most.
 double steepest_of(const CameraMatrices& matrices) {
@@ -225,16 +271,13 @@ double steepest_of(const CameraMatrices& matrices) {
 
 }  // namespace
 
-std::optional<double> radial_bound_around(const Fog& fog, const DetailBound& dropped,
-                                          const Method& method, const Eigen::Vector3d& eye,
-                                          const RadialView& view, double seconds, double limit,
-                                          const RayLimits& limits) {
-    if (fog.profile.kind == Profile::Kind::exponential) return std::nullopt;
+double radial_bound_around(const Fog& fog, const DetailBound& dropped, const Method& method,
+                           const Eigen::Vector3d& eye, const RadialView& view, double seconds,
+                           double limit, const RayLimits& limits) {
     if (fog.extinction == 0) return 0;
     const auto pyramid = approximations(fog.decomposition);
-    const FogFacts facts = fog_facts(fog, build_cell_atlas(pyramid));
-    const RadialShape shape = radial_shape(facts, method);
-    if (shape.layers > 1) return std::nullopt;
+    const FogFacts fog_has = fog_facts(fog, build_cell_atlas(pyramid));
+    const RadialShape shape = radial_shape(fog_has, method);
     const Eigen::Vector2d cell(fog.cell_x(), fog.cell_z());
     const CellRanges ranges(pyramid.levels.back(), fog.degree(), fog.decomposition.boundary, cell,
                             fog.extinction);
@@ -244,20 +287,58 @@ std::optional<double> radial_bound_around(const Fog& fog, const DetailBound& dro
         (eye.x() - fog.rect.x0 - moved.x()) / cell.x() + fog.degree() / 2.0,
         (eye.z() - fog.rect.z0 - moved.y()) / cell.y() + fog.degree() / 2.0);
     const bool uniform = fog.profile.kind == Profile::Kind::uniform;
-    RadialWedges wedges(ranges, dropped, radial_block(facts, eye, view, seconds, limit, shape),
-                        place, 0, uniform ? shape.stop() : std::numeric_limits<double>::infinity());
-    if (!wedges.narrow()) return std::nullopt;
-    Search search(wedges, heights_of(fog.profile, eye.y()), limits, ranges.largest(),
-                  cell.minCoeff(), shape);
-    for (int wedge = view.full ? 0 : wedges.first(); wedge < wedges.count(); ++wedge)
-        if (!search.add(wedge, ranges.repeat())) return std::nullopt;
-    return std::min(search.largest() + 0x1p-21, 1.0);
+    const double stops = uniform ? shape.stop() : std::numeric_limits<double>::infinity();
+    const shader::RadialBlock block = radial_block(fog_has, eye, view, seconds, limit, shape);
+    std::vector<RadialWedges> layers;
+    for (int l = 0; l < shape.layers; ++l)
+        layers.emplace_back(ranges, dropped, block, place, l, stops);
+    if (!layers[0].narrow()) return 1;
+
+    RadialFacts facts;
+    facts.limits = limits;
+    facts.start = layers[0].start();
+    facts.densest = ranges.largest();
+    facts.cell = cell.minCoeff();
+    facts.step = shape.step;
+    facts.repeat = ranges.repeat();
+    facts.depth_only = shape.layers > 1;
+    const int first = view.full ? 0 : layers[0].first();
+    const auto of_table = [&](RadialWedges& wedges) {
+        if (fog.profile.kind == Profile::Kind::exponential) {
+            ProfileSearch search((eye.y() - fog.profile.base) / fog.profile.scale,
+                                 fog.profile.scale, facts, wedges.count() - first);
+            std::vector<RadialStretch> stretches;
+            for (int wedge = first; wedge < wedges.count(); ++wedge) {
+                stretches.clear();
+                wedges.walk(wedge, [&](const RadialStretch& s, double) {
+                    stretches.push_back(s);
+                    return true;
+                });
+                search.add(stretches);
+            }
+            return search.largest();
+        }
+        Search search(wedges, heights_of(fog.profile, eye.y()), facts, shape.stop());
+        for (int wedge = first; wedge < wedges.count(); ++wedge) search.add(wedge);
+        return search.largest();
+    };
+    double bound;
+    if (facts.depth_only) {
+        // A level's part of a ray is the difference of two look-ups.
+        LayeredSearch search(layers, limits, method.mu);
+        for (int wedge = first; wedge < layers[0].count(); ++wedge) search.add(wedge);
+        double error = search.largest();
+        for (RadialWedges& wedges : layers) error += 2 * of_table(wedges);
+        bound = std::max(-std::expm1(-error), std::exp(error - std::max(stops, error)));
+    } else {
+        bound = of_table(layers[0]);
+    }
+    return std::min(bound + 0x1p-21, 1.0);
 }
 
-std::optional<double> radial_bound(const Fog& fog, const DetailBound& dropped, const Method& method,
-                                   const Camera& camera, int width, int height,
-                                   const RayLimits& limits, double seconds) {
-    if (camera.projection == Camera::Projection::orthographic) return std::nullopt;
+double radial_bound(const Fog& fog, const DetailBound& dropped, const Method& method,
+                    const Camera& camera, int width, int height, const RayLimits& limits,
+                    double seconds) {
     const CameraMatrices matrices = camera_matrices(camera, width, height);
     const RadialView view = radial_view(matrices, camera, width, height);
     RayLimits seen = limits;

@@ -330,9 +330,14 @@ void RadialWedges::walk(int wedge,
         s.angular_near = angular;
         s.angular = angular + sum.angular;
         s.density_low = sum.low;
+        s.density_high = sum.high;
+        s.slope = ranges_.degree() > 0 ? sum.slope : std::numeric_limits<double>::infinity();
+        s.mass_low =
+            std::max(std::min(a.a1[j + 1] - a.a1[j], b.a1[j + 1] - b.a1[j]) - sum.angular, 0.0);
         s.low = std::max(std::min(a.a1[j], b.a1[j]) - angular, 0.0);
         s.low_2 = std::max(std::min(a.a2[j], b.a2[j]) - angular_2, 0.0);
         s.high = std::max(a.a1[j + 1], b.a1[j + 1]) + s.angular;
+        s.high_2 = std::max(a.a2[j + 1], b.a2[j + 1]) + angular_2 + s.angular * d;
         s.missing = std::max(std::max(a.a1[j + 1], b.a1[j + 1]) - stops_, 0.0);
 
         // rho = its mean over the stretch and a rest, whose integral vanishes at both ends and is

@@ -24,7 +24,11 @@ struct RadialStretch {
     double relative = 0;        ///< row 0 at the eye: bound on the error per metre from the eye
     double low = 0, low_2 = 0;  ///< the least A_1 and A_2 at `near`
     double high = 0;            ///< the largest A_1 at `far`
+    double high_2 = 0;          ///< and A_2
     double density_low = 0;     ///< 1/m, in the stretch
+    double density_high = 0;    ///< 1/m
+    double slope = 0;           ///< 1/m^2, of the density along rays, at most
+    double mass_low = 0;        ///< the least integral of the density over the stretch
     double missing = 0;         ///< of a column that ended, at `far`
 };
 

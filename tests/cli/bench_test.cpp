@@ -71,7 +71,8 @@ TEST_CASE("bench measures methods in turn and writes rows, provenance and charts
     CHECK(row(stored, "exact")["max_dT"] <= row(stored, "exact")["bound_dT"]);
     CHECK(row(stored, "exact")["bound_dT"] < 2e-5);  // float32 alone
     CHECK(row(stored, "exact", 0.5)["max_dT"] <= row(stored, "exact", 0.5)["bound_dT"]);
-    CHECK(row(stored, "march:16")["bound_dT"].is_null());
+    CHECK(row(stored, "march:16")["max_dT"] <= row(stored, "march:16")["bound_dT"]);
+    CHECK(row(stored, "homogeneous")["bound_dT"] == 1.0);  // may miss any fog
     const json& where = stored["provenance"];
     for (const char* key : {"date", "command", "commit", "compiler", "cpu", "gl_renderer",
                             "gl_version", "clock", "system"})
@@ -169,7 +170,7 @@ TEST_CASE("bench presets: speed prints a table, paper-tables measures its cells"
         CAPTURE(r.dump());
         // Truncated by mu, or exact but for quadratic tables of 32 samples.
         CHECK((r["method"] == "homogeneous" || r["mu"] < 1 || r["max_dT"] < 1e-3));
-        CHECK((r["bound_dT"].is_null() || r["max_dT"] <= r["bound_dT"]));
+        CHECK(r["max_dT"] <= r["bound_dT"]);
     }
     CHECK(work.files().contains("out/speed-paper-tables.svg"));
 }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <limits>
-#include <optional>
 
 #include "wavefog/fogmap/bound.h"
 #include "wavefog/fogmap/scene.h"
@@ -25,12 +24,16 @@ struct RayLimits {
 /// - between rows, A(L) = A_j + rho_mean (L - L_j) + a rest of at most min(osc rho, |rho'| d/2) d/4
 ///   (means A / L are linear but for c / L and that rest); nothing with the exact last step;
 /// - |dT| <= exp(-tau) (exp(|dtau|) - 1) with the least tau that the columns allow, and float32 and
-///   8-bit texture weights to first order.
+///   8-bit texture weights to first order;
+/// - exponential profiles: for rays of every slope, the stretches between rows by what parabolas of
+/// the
+///   density leave out (ProfileSearch);
+/// - 0 < mu < 1: the sum over levels of what azimuths, left out levels and both look-ups err.
 /// `dropped` is the same fog's. Haar maps are bounded by the variation alone, which is several
-/// times looser. No bound for exponential profiles, 0 < mu < 1, orthographic cameras (which exact
-/// draws), a table of a few wide columns, and repeated fog that rays leave the table in.
-std::optional<double> radial_bound(const Fog& fog, const DetailBound& dropped, const Method& method,
-                                   const Camera& camera, int width, int height,
-                                   const RayLimits& limits, double seconds = 0);
+/// times looser. 1 for a table of a few wide columns. For perspective cameras: others are drawn as
+/// exact draws them.
+double radial_bound(const Fog& fog, const DetailBound& dropped, const Method& method,
+                    const Camera& camera, int width, int height, const RayLimits& limits,
+                    double seconds = 0);
 
 }  // namespace wavefog
