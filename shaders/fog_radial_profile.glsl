@@ -5,19 +5,7 @@
 // closed form. Rows are read as far apart as the profile allows; those around the ray's ends one by one,
 // and with RADIAL_STEP cell by cell.
 
-// A ray counts up to radial_top over its lowest point. One parabola of density serves radial_width there,
-// and radial_widen more for each unit above.
-#ifdef RADIAL_STEP
-const float radial_top = 14.0f;
-const float radial_width = 0.5f;
-const float radial_widen = 0.3f;
-// Above this the profile, 0.018, makes up for what the parabola errs between two rows.
-const float radial_nearby = 4.0f;
-#else
-const float radial_top = 10.0f;
-const float radial_width = 0.8f;
-const float radial_widen = 0.5f;
-#endif
+#include "fog_radial_spans.glsl"
 
 // Integral of (c.x + c.y y + c.z y^2) exp(-z y) over y in [0, 1].
 float radial_damped(vec3 c, float z) {
@@ -109,8 +97,10 @@ float radial_profile_step(RadialPlace place, RadialSlope slope, int row, float f
         vec2 m = grid.o + half_g * (t + next) - k;
         FogCell cell = fog_fetch(level, k + grid.first);
         sum += max(fog_mean(cell, m, half_g * dt, twist * (dt * dt), h), 0.0f) * dt;
-        k = next < leave ? k : radial_next_cell(grid, k, cross, next);
-        t = next > t ? next : inside.y;
+        // Rounding may put the first cell behind the ray: its step has no length and the next cell follows.
+        bool crossed = next == leave;
+        k = crossed ? radial_next_cell(grid, k, cross, next) : k;
+        t = crossed || next > t ? next : inside.y;
     }
     return sum;
 }
@@ -141,7 +131,7 @@ float radial_profile(RadialPlace place, RadialSlope slope, float from, float to)
         float upto = min(b, until);
         bool partial = at > a || b > until;
         // A whole stretch over which the profile changes little hardly feels the second moment's noise.
-        bool curved = !partial && 40.0f * (b - a) > b && slope.steep * (b - a) < 2.0f;
+        bool curved = !partial && b - a > radial_curved_part * b && slope.steep * (b - a) < radial_curved_change;
         vec3 c = radial_density(at_a, at_b, b - a, curved);
         if (partial) {
             // The polynomial on [at, upto].
