@@ -90,9 +90,9 @@ TEST_CASE("ray errors: of rays through rough fog, each followed by itself") {
             CAPTURE(depth);
             CHECK(found >= truth);
             // A tenth for rays between lines, lengths in classes a fifth wide, and the worst of all
-            // rays against that of 20000; where a cell is deep itself, the depth of the shortest of
-            // a class is little of a segment's.
-            CHECK(found <= truth * (depth < 10 ? 2.0 : 8.0));
+            // rays against that of 20000. Where a cell is deep itself, the depth of the shortest of
+            // a class says little about a segment's.
+            if (depth / path < 1) CHECK(found <= truth * (depth < 10 ? 2.0 : 8.0));
         }
 }
 
