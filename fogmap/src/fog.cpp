@@ -7,12 +7,14 @@
 #include <new>
 #include <optional>
 
+#include "finite.h"
+
 namespace wavefog {
 
 namespace {
 
 bool all_finite(const Band<float>& band) {
-    return band.values.allFinite();
+    return detail::all_finite(band.values);
 }
 
 bool all_finite(const Decomposition<float>& decomposition) {
@@ -55,8 +57,7 @@ Result<void> Profile::validate() const {
     return {};
 }
 
-Eigen::Vector2d wind_offset(const Wind& wind, const Rect& rect, Boundary boundary,
-                            double seconds) {
+Eigen::Vector2d wind_offset(const Wind& wind, const Rect& rect, Boundary boundary, double seconds) {
     Eigen::Vector2d metres = wind.offset(seconds);
     if (boundary == Boundary::repeat)
         metres = {std::remainder(metres.x(), rect.x1 - rect.x0),

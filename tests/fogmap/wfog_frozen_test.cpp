@@ -44,6 +44,8 @@ TEST_CASE("wfog: frozen files decode to the same values") {
         {"v1_tiles", 600, 3, 0x6f8d5c3e, 0x9fc32143},
         {"v1_bounds", 45, 38, 0xdb99c69b, 0x70f13c93},
         {"v1_bounds_tables", 140, 133, 0xe58d94c9, 0xa4006f2f},
+        {"v1_packed", 41, 35, 0xa08b7d3a, 0x18ce5455},
+        {"v1_packed_tables", 150, 131, 0xf0797fe6, 0x7beb1ebf},
     };
     for (const Frozen& frozen : files) {
         const std::string name =

@@ -52,6 +52,12 @@ std::vector<FileBytes> samples() {
         for (Eigen::Index i = 0; i < smooth.cols(); ++i)
             smooth(j, i) = 1 + std::sin(float(i) * 0.1f) * std::cos(float(j) * 0.08f);
     add(smooth, lossy);
+    Grid<float> apart(31, 26);  // ranks
+    for (Eigen::Index i = 0; i < apart.size(); ++i) apart.data()[i] = float((i / 9) % 4 * 70) / 255;
+    add(apart, {});
+    for (Eigen::Index i = 0; i < large.size(); ++i)
+        large.data()[i] = float((i / 5) % 3 * 100) / 255;
+    add(large, {});
     return files;
 }
 

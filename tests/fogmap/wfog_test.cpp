@@ -283,6 +283,33 @@ TEST_CASE("wfog: errors of smooth maps stay well below the bound") {
     }
 }
 
+TEST_CASE("wfog: gaps between few values cost nothing") {
+    constexpr int steps[] = {7, 60, 130, 255};
+    for (const bool best : {false, true})
+        for (const auto& [w, h] : {std::pair{60, 45}, {150, 140}}) {
+            Grid<float> close(h, w), apart(h, w);
+            for (int j = 0; j < h; ++j)
+                for (int i = 0; i < w; ++i) {
+                    const int k = (i / 11 + j / 7) % 4;
+                    close(j, i) = float(k) / 255;
+                    apart(j, i) = float(double(steps[k]) / 255);
+                }
+            for (const double error : {0.0, 4.0 / 255}) {
+                CAPTURE(w);
+                CAPTURE(error);
+                WfogOptions options;
+                options.best = best;
+                const std::size_t fewest = encoded(fog_of(close), options, &close).bytes.size();
+                if (error > 0) options.promise = Promise::max_error;
+                options.error = error;
+                const EncodedFog file = encoded(fog_of(apart), options, &apart);
+                // The table of values: a byte or two each.
+                CHECK(file.bytes.size() <= fewest + 8);
+                CHECK(same_bits(decoded(file.bytes).map, apart));
+            }
+        }
+}
+
 TEST_CASE("wfog: no ray's transmittance is off by more than promised") {
     test::Random random(31);
     for (const Kind kind : {Kind::floats, Kind::noise})

@@ -47,14 +47,17 @@ class ContextMixer {
         const MixerTables& tables = tables_;
         std::array<Estimate*, kContexts> estimates;
         alignas(16) std::array<float, kInputs> in;
+        alignas(16) std::array<std::uint16_t, kLanes> p{}, seen{}, rates{};
         for (std::size_t i = 0; i < kContexts; ++i) {
             Estimate& e =
                 estimates_[i][context[i] * std::uint32_t(kNodes) + static_cast<unsigned>(node)];
             estimates[i] = &e;
+            p[i] = e.p;
+            seen[i] = e.seen;
+            rates[i] = tables.rates[e.seen];
             // An estimate that has seen little is believed little.
-            constexpr float trust[4] = {0.0f, 0.5f, 0.7f, 0.85f};
-            const float stretched = tables.stretch[e.p >> 4];
-            in[i] = e.seen < 4 ? stretched * trust[e.seen] : stretched;
+            constexpr float trust[5] = {0.0f, 0.5f, 0.7f, 0.85f, 1.0f};
+            in[i] = tables.stretch[e.p >> 4] * trust[e.seen < 4 ? e.seen : 4];
         }
         in[kContexts] = 0.4f;
         in[kContexts + 1] = 0.0f;
@@ -62,24 +65,28 @@ class ContextMixer {
         float* const second = &second_[std::size_t(node * kSecondSets + second_set) * kInputs];
         const float x = dot(first, in.data()), y = dot(second, in.data());
         const float mixed = squash((x + y) * 0.5f) * 65536.0f;
-        const int p = static_cast<int>(mixed);
-        bit = coder.code(bit, static_cast<std::uint32_t>(p < 1 ? 1 : p > 65535 ? 65535 : p));
+        const int one = static_cast<int>(mixed);
+        bit = coder.code(bit, static_cast<std::uint32_t>(one < 1 ? 1 : one > 65535 ? 65535 : one));
 
         constexpr float rate = 0.01f;
         const float truth = bit ? 1.0f : 0.0f;
         learn(first, in.data(), (truth - squash(x)) * rate);
         learn(second, in.data(), (truth - squash(y)) * rate);
-        const int target = bit ? 65535 : 0;
-        for (Estimate* e : estimates) {
-            const int step = (target - int(e->p)) * int(tables.rates[e->seen]) / 65536;
-            e->p = static_cast<std::uint16_t>(int(e->p) + step);
-            if (e->seen < kMostSeen) ++e->seen;
+        // Towards 65535 or 0 by the rate's share of the way, rounded down.
+        const auto flip = static_cast<std::uint16_t>(bit ? 0xffff : 0);
+        for (std::size_t i = 0; i < kLanes; ++i) {
+            const auto q = static_cast<std::uint16_t>(p[i] ^ flip);
+            const auto way = static_cast<std::uint16_t>(std::uint32_t(q) * rates[i] >> 16);
+            p[i] = static_cast<std::uint16_t>((q - way) ^ flip);
+            seen[i] = static_cast<std::uint16_t>(seen[i] + (seen[i] < kMostSeen ? 1 : 0));
         }
+        for (std::size_t i = 0; i < kContexts; ++i) *estimates[i] = {p[i], seen[i]};
         return bit;
     }
 
   private:
     static constexpr std::size_t kInputs = kContexts + 2;
+    static constexpr std::size_t kLanes = 16;  ///< contexts, and what fills the vectors
     static constexpr std::uint16_t kMostSeen = 250;
 
     float squash(float x) const {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "../finite.h"
 #include "bands.h"
 #include "plane.h"
 
@@ -50,8 +51,7 @@ PlaneCoding coding_of(const Head& head, int width, int height, int levels) {
 Grid<float> densities_of(const std::vector<int32_t>& integers, const Scale& scale, int width,
                          int height) {
     Grid<float> map(height, width);
-    std::transform(integers.begin(), integers.end(), map.data(),
-                   [&](int32_t k) { return scale.density(k); });
+    scale.densities(integers.data(), integers.size(), map.data());
     return map;
 }
 
@@ -86,7 +86,7 @@ Result<void> decode_pixels(const Chunks& chunks, const WfogLimits& limits, Decod
     const auto integers = decode_integers(chunks, limits, out.levels);
     if (!integers) return tl::unexpected(integers.error());
     out.map = densities_of(*integers, head.scale, d.width, d.height);
-    if (!out.map.allFinite()) return damaged_stream();
+    if (!detail::all_finite(out.map)) return damaged_stream();
     auto decomposed = decompose_as(out.map, d, head.levels);
     if (!decomposed) return tl::unexpected(decomposed.error());
     d = std::move(*decomposed);
@@ -123,7 +123,7 @@ Result<void> decode_coefficients(const Chunks& chunks, const WfogLimits& limits,
         if (r.left() != 0) return damaged_stream();
     }
     out.map = reconstruct(d);
-    if (!out.map.allFinite()) return damaged_stream();
+    if (!detail::all_finite(out.map)) return damaged_stream();
     return {};
 }
 

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 #include "bands.h"
@@ -35,24 +37,28 @@ bool gives(const Grid<float>& map, const Fog& fog) {
 
 /// The fog's pixels and, if they are multiples of a common fraction, which.
 struct Source {
-    Grid<float> map;
+    const Grid<float>* given = nullptr;  ///< its pixels, unless `made`
+    std::optional<Grid<float>> made;
     std::optional<Scale> ratio;
     bool exact = false;  ///< decomposing the map gives the fog's own bits; known if lossless
+
+    const Grid<float>& map() const { return made ? *made : *given; }
 };
 
 Source source_of(const Fog& fog, const Grid<float>* map, bool lossless) {
     Source source;
-    source.map = map ? *map : reconstruct(fog.decomposition);
-    source.ratio = ratio_of(source.map, 0);
-    source.exact = lossless && gives(source.map, fog);
+    source.given = map;
+    if (!map) source.made = reconstruct(fog.decomposition);
+    source.ratio = ratio_of(source.map(), 0);
+    source.exact = lossless && gives(source.map(), fog);
     if (source.ratio || (map && source.exact)) return source;
     // Rounding may hide the steps of an integer picture.
-    if (const auto ratio = ratio_of(source.map, kRounding)) {
+    if (const auto ratio = ratio_of(source.map(), kRounding)) {
         Source snapped;
         snapped.ratio = ratio;
-        snapped.map = source.map.unaryExpr(
+        snapped.made = source.map().unaryExpr(
             [&](float value) { return ratio->density(*ratio->integer(value)); });
-        snapped.exact = lossless && gives(snapped.map, fog);
+        snapped.exact = lossless && gives(snapped.map(), fog);
         if (snapped.exact || !source.exact) return snapped;
     }
     return source;
@@ -60,8 +66,7 @@ Source source_of(const Fog& fog, const Grid<float>* map, bool lossless) {
 
 std::vector<int32_t> integers_of(const Grid<float>& map, const Scale& scale) {
     std::vector<int32_t> integers(static_cast<size_t>(map.size()));
-    std::transform(map.data(), map.data() + map.size(), integers.begin(),
-                   [&](float value) { return *scale.integer(value); });
+    scale.integers(map.data(), integers.size(), integers.data());
     return integers;
 }
 
@@ -71,16 +76,24 @@ struct Errors {
 };
 
 Errors compare(const Grid<float>& original, const Grid<float>& decoded) {
-    Errors errors;
-    double squares = 0;
-    for (Eigen::Index i = 0; i < original.size(); ++i) {
+    // Sums of every fourth pixel, side by side: an order that vectors can keep.
+    constexpr Eigen::Index kLanes = 4;
+    std::array<double, kLanes> most{}, squares{};
+    int negative = 0;
+    const auto add = [&](Eigen::Index i, size_t lane) {
         const double a = double(original.data()[i]), b = double(decoded.data()[i]);
-        errors.most = std::max(errors.most, std::fabs(a - b));
-        squares += (a - b) * (a - b);
-        errors.negative = errors.negative || (a >= 0 && b < 0);
-    }
-    errors.rms = std::sqrt(squares / static_cast<double>(original.size()));
-    return errors;
+        const double error = std::fabs(a - b);
+        most[lane] = most[lane] < error ? error : most[lane];
+        squares[lane] += error * error;
+        negative |= (a >= 0 ? 1 : 0) & (b < 0 ? 1 : 0);
+    };
+    Eigen::Index i = 0;
+    for (; i + kLanes <= original.size(); i += kLanes)
+        for (Eigen::Index lane = 0; lane < kLanes; ++lane) add(i + lane, static_cast<size_t>(lane));
+    for (; i < original.size(); ++i) add(i, 0);
+    const double sum = std::accumulate(squares.begin(), squares.end(), 0.0);
+    return {*std::max_element(most.begin(), most.end()),
+            std::sqrt(sum / static_cast<double>(original.size())), negative != 0};
 }
 
 Head head_of(const Fog& fog) {
@@ -115,29 +128,59 @@ bool wants_finer_steps(double steps) {
     return steps < kMostSteps && steps - std::floor(steps) > 0.5;
 }
 
-/// The share of pixels that the mean of the four around them foretells within the bound; every
-/// other row will do.
-double share_foretold(const std::vector<int32_t>& integers, int width, int64_t bound) {
-    const auto w = static_cast<size_t>(width);
-    size_t seen = 0, foretold = 0;
-    for (size_t row = 1; (row + 2) * w <= integers.size(); row += 2)
-        for (size_t i = row * w + 1; i + 1 < (row + 1) * w; ++i) {
-            const int64_t around =
-                int64_t(integers[i - 1]) + integers[i + 1] + integers[i - w] + integers[i + w];
-            foretold += std::abs(4 * int64_t(integers[i]) - around) <= 4 * bound ? 1u : 0u;
-            ++seen;
+/// How many pixels inside the map the mean of the four around them foretells within the bound; of
+/// every other row. `Int` holds four times any integer and the bound.
+template <class Int>
+size_t count_foretold(const std::vector<int32_t>& integers, size_t width, Int bound) {
+    size_t foretold = 0;
+    for (size_t row = 1; (row + 2) * width <= integers.size(); row += 2) {
+        const int32_t* const here = integers.data() + row * width;
+        const int32_t *const above = here - width, *const below = here + width;
+        int32_t in_row = 0;
+        for (size_t i = 1; i + 1 < width; ++i) {
+            const Int around = Int(here[i - 1]) + here[i + 1] + above[i] + below[i];
+            const Int off = 4 * Int(here[i]) - around;
+            in_row += (off <= 4 * bound ? 1 : 0) & (off >= -4 * bound ? 1 : 0);
         }
-    return seen > 0 ? static_cast<double>(foretold) / static_cast<double>(seen) : 0;
+        foretold += static_cast<size_t>(in_row);
+    }
+    return foretold;
 }
 
-/// Bounds of the levels before the finest, each 0.7 of the next: of 0.8, 0.75, 0.65 and 0.6 the one
-/// that brings smooth maps 3 dB for the fewest bits (3 % more; rough maps lose by it).
-std::vector<int64_t> tighter_bounds(int64_t finest, int levels) {
-    std::vector<int64_t> bounds(static_cast<size_t>(levels));
-    double bound = static_cast<double>(finest);
-    for (size_t l = bounds.size(); l-- > 0;) {
-        bound *= 0.7;
-        bounds[l] = std::max(std::min<int64_t>(finest, 1), int64_t(std::lround(bound)));
+/// The share of pixels that follow from their neighbours.
+double share_foretold(const std::vector<int32_t>& integers, int width, int64_t bound) {
+    const auto w = static_cast<size_t>(width);
+    const size_t rows = integers.size() / w;
+    if (w < 3 || rows < 3) return 0;
+    const auto [least, most] = std::minmax_element(integers.begin(), integers.end());
+    const int64_t largest = std::max({int64_t(*most), -int64_t(*least), bound});
+    const size_t foretold = largest < (1 << 27)
+                                ? count_foretold(integers, w, static_cast<int32_t>(bound))
+                                : count_foretold(integers, w, bound);
+    return static_cast<double>(foretold) / static_cast<double>((rows - 1) / 2 * (w - 2));
+}
+
+/// Bounds of a smooth map: that of the finest level as a share of what is allowed, and those of the
+/// levels before it, each a share of the next.
+struct Tightness {
+    double finest = 1, coarser = 1;
+};
+/// The share of a prequantiser's RMS error that smooth maps may have.
+constexpr double kThreeDecibels = 0.71;
+
+/// Each with more bits and less error than the one before; bounds of 0.7 at coarse levels bring
+/// most smooth maps 3 dB for 3 % more bits.
+constexpr Tightness kTightness[] = {{1, 0.7}, {1, 0.6}, {0.75, 0.85}, {0.75, 0.7}};
+
+Bounds tightened(int64_t allowed, int levels, const Tightness& by) {
+    Bounds bounds;
+    const int64_t least = std::min<int64_t>(allowed, 1);
+    bounds.finest = std::max(least, int64_t(std::lround(double(allowed) * by.finest)));
+    bounds.coarser.resize(static_cast<size_t>(levels));
+    auto bound = static_cast<double>(bounds.finest);
+    for (size_t l = bounds.coarser.size(); l-- > 0;) {
+        bound *= by.coarser;
+        bounds.coarser[l] = std::max(least, int64_t(std::lround(bound)));
     }
     return bounds;
 }
@@ -153,18 +196,42 @@ class PixelEncoder {
 
     Result<Trial> encode(double error) {
         choose_scale(error);
+        return encode_within(kTightness[0]);
+    }
+
+    /// The same, with errors that are 3 dB below a prequantiser's where the map is smooth.
+    Result<Trial> encode_well(double error) {
+        choose_scale(error);
+        Result<Trial> trial;
+        Bounds last;
+        double rms_prequantised = 0;
+        for (const Tightness& by : kTightness) {
+            if (trial && last == tightened(allowed_, head_.stream_levels, by)) continue;
+            trial = encode_within(by);
+            last = head_.bounds;
+            if (!trial || last.coarser.empty()) break;
+            if (rms_prequantised == 0) rms_prequantised = prequantised();
+            if (trial->file.report.rms_error <= kThreeDecibels * rms_prequantised) break;
+        }
+        return trial;
+    }
+
+  private:
+    /// With the scale as it is.
+    Result<Trial> encode_within(const Tightness& by) {
         Trial trial;
-        trial.integers = integers_of(source_.map, head_.scale);
+        trial.integers = integers_of(source_.map(), head_.scale);
         const Decomposition<float>& d = head_.fog.decomposition;
         // Where most pixels follow from their neighbours, exact neighbours are worth their bits.
-        if (share_foretold(trial.integers, d.width, head_.bounds.finest) > 0.95)
-            head_.bounds.coarser = tighter_bounds(head_.bounds.finest, head_.stream_levels);
+        head_.bounds = {.finest = allowed_};
+        if (allowed_ > 1 && share_foretold(trial.integers, d.width, allowed_) > 0.95)
+            head_.bounds = tightened(allowed_, head_.stream_levels, by);
         PlaneStreams streams;
         if (!encode_plane(trial.integers, coding_of(head_, d.width, d.height, head_.stream_levels),
                           options_.best, options_.threads, options_.stop, streams))
             return cancelled();
         trial.map = densities_of(trial.integers, head_.scale, d.width, d.height);
-        const Errors made = compare(source_.map, trial.map);
+        const Errors made = compare(source_.map(), trial.map);
         head_.max_error = static_cast<float>(made.most);
         std::vector<Bytes> chunks;
         for (std::vector<Bytes>& level : streams) chunks.push_back(join(level));
@@ -176,27 +243,40 @@ class PixelEncoder {
         return trial;
     }
 
-  private:
+    /// RMS error of every integer moved to the nearest of those that are 2 allowed_ + 1 apart.
+    double prequantised() const {
+        const std::vector<int32_t> integers = integers_of(source_.map(), head_.scale);
+        const int64_t low = *std::min_element(integers.begin(), integers.end());
+        double squares = 0;
+        for (const int32_t k : integers) {
+            const auto off =
+                static_cast<double>((k - low + allowed_) % (2 * allowed_ + 1) - allowed_);
+            squares += off * off;
+        }
+        return std::sqrt(squares / static_cast<double>(integers.size())) *
+               double(head_.scale.density(1));
+    }
+
     void choose_scale(double error) {
-        head_.bounds = {};
+        allowed_ = 0;
         const bool by_rays = options_.promise == WfogOptions::Promise::max_transmittance_error;
         if (source_.ratio && !(by_rays && wants_finer_steps(error * source_.ratio->divisor))) {
             head_.scale = *source_.ratio;
             // The last bits of a double must not cost a whole step.
-            head_.bounds.finest = static_cast<int64_t>(
+            allowed_ = static_cast<int64_t>(
                 std::min(error * head_.scale.divisor * (1 + 1e-12), double(1 << 29)));
             return;
         }
-        const double most = double(source_.map.abs().maxCoeff());
+        const double most = double(source_.map().abs().maxCoeff());
         // Float rounding of the decoded density comes on top.
         const double usable = error - most * 1.2e-7;
         const double step = usable / (double(kStepsOfBound) + 0.5);
         if (usable <= 0 || most / step > double(1 << 29)) {
-            head_.scale = exact_scale(source_.map);
+            head_.scale = exact_scale(source_.map());
             return;
         }
         head_.scale = {.kind = Scale::Kind::step, .step = step};
-        head_.bounds.finest = kStepsOfBound;
+        allowed_ = kStepsOfBound;
     }
 
     static Bytes join(const std::vector<Bytes>& tiles) {
@@ -210,6 +290,7 @@ class PixelEncoder {
     const Source& source_;
     const WfogOptions& options_;
     Head head_;
+    int64_t allowed_ = 0;  ///< how far an integer may be off
 };
 
 /// A file of the coefficients themselves: for fogs that no map of floats gives bit for bit.
@@ -289,7 +370,7 @@ Result<Trial> fit_rays(PixelEncoder& encoder, const Fog& fog, const Source& sour
                        const WfogOptions& options, double scale) {
     constexpr int kFewAngles = 12, kAngles = 64;
     const auto ray_error = [&](const Trial& trial, int angles) {
-        return worst_ray_error(fog, source.map, trial.map - source.map, options.path, angles);
+        return worst_ray_error(fog, source.map(), trial.map - source.map(), options.path, angles);
     };
     const double sure = options.error / std::max(fog.extinction * options.path, 1e-300);
     double low = std::log(sure), high = std::log(std::max(scale, sure));
@@ -326,7 +407,7 @@ Result<void> verify(const Trial& trial, const Source& source, double allowed,
     const auto decoded = decode_integers(*chunks, limits, chunks->expected());
     if (!decoded) return tl::unexpected(decoded.error());
     // k / 255 and k' / 255 are floats, each off by half of its last bit.
-    const double rounding = allowed > 0 ? double(source.map.abs().maxCoeff()) * 0x1p-23 : 0;
+    const double rounding = allowed > 0 ? double(source.map().abs().maxCoeff()) * 0x1p-23 : 0;
     if (*decoded != trial.integers || chunks->head.scale != trial.head.scale ||
         trial.file.report.max_error > allowed + rounding || (allowed > 0 && trial.negative))
         return broken_promise();
@@ -346,7 +427,7 @@ Result<EncodedFog> encode_pixels(const Fog& fog, const Source& source, double sc
             break;
         case Promise::max_error:
             allowed = options.error * scale;
-            trial = encoder.encode(allowed);
+            trial = encoder.encode_well(allowed);
             break;
         case Promise::bytes:
             trial = fit_bytes(encoder, std::max(scale, 1e-30), options.bytes);
@@ -371,7 +452,7 @@ Result<EncodedFog> encode(const Fog& fog, const WfogOptions& options, const Grid
         return data_error(fmt::format("{} x {} pixels; a side of at most {} fits into a .wfog file",
                                       d.width, d.height, kMaxWfogSide));
     const Source source = source_of(fog, map, lossless);
-    const double scale = full_scale(source.map, source.ratio);
+    const double scale = full_scale(source.map(), source.ratio);
     const bool by_coefficients = lossless && !source.exact;
     Result<EncodedFog> encoded = by_coefficients ? encode_coefficients(fog, options)
                                                  : encode_pixels(fog, source, scale, options);
@@ -387,7 +468,7 @@ Result<EncodedFog> encode(const Fog& fog, const WfogOptions& options, const Grid
             return broken_promise();
     }
     WfogReport& report = encoded->report;
-    const auto pixels = static_cast<double>(source.map.size());
+    const auto pixels = static_cast<double>(source.map().size());
     report.bytes = encoded->bytes.size();
     report.bits_per_pixel = 8 * static_cast<double>(report.bytes) / pixels;
     report.ratio = pixels * sizeof(float) / static_cast<double>(report.bytes);

@@ -32,6 +32,7 @@ struct Bounds {
                    ? coarser[static_cast<std::size_t>(level)]
                    : finest;
     }
+    bool operator==(const Bounds&) const = default;
 };
 
 /// Level 0 holds the pixels whose coordinates are both multiples of 2^levels. Level l adds those of

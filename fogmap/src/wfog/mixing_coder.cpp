@@ -44,8 +44,8 @@ int fine(int e) {
 template <size_t Size>
 uint32_t signed_class(double x, const std::array<double, Size>& limits) {
     const double magnitude = std::fabs(x);
-    uint32_t c = 0;
-    while (c < Size && magnitude >= limits[c]) ++c;
+    uint32_t c = 0;  // counted to the end: a branch would be a guess
+    for (const double limit : limits) c += magnitude >= limit ? 1 : 0;
     return x < 0 ? uint32_t(Size) - c : uint32_t(Size) + c;
 }
 constexpr std::array<double, 7> kBlendLimits = {0.08, 0.2, 0.4, 0.7, 1.2, 2.2, 5};
@@ -71,6 +71,7 @@ class Model {
         coder_ = &coder;
         bound_ = coding_.bounds.at(level);
         step_ = 2 * bound_ + 1;
+        inverse_step_ = 1 / static_cast<double>(step_);
         const int h = 1 << (coding_.levels - level);
         if (level == 0) {
             for (int y = 0; y < tile_.height; y += h)
@@ -78,13 +79,25 @@ class Model {
             return;
         }
         const int depth = std::min(coding_.levels - level, 2);
-        for (int pass = 0; pass < 2; ++pass)
-            for_each_in_pass(tile_.width, tile_.height, h, pass,
-                             [&](int x, int y) { pixel(x, y, h, pass, depth); });
+        for (int pass = 0; pass < 2; ++pass) {
+            for (size_t i = 0; i < 16; ++i)
+                neighbours_[i] =
+                    (std::ptrdiff_t(kNeighbours[size_t(pass)][i].second) * tile_.width +
+                     kNeighbours[size_t(pass)][i].first) *
+                    h;
+            for_each_in_pass(tile_.width, tile_.height, h, pass, [&](int x, int y) {
+                const bool inside =
+                    x >= 3 * h && y >= 3 * h && x + 3 * h < tile_.width && y + 3 * h < tile_.height;
+                if (inside)
+                    pixel<true>(x, y, h, pass, depth);
+                else
+                    pixel<false>(x, y, h, pass, depth);
+            });
+        }
     }
 
   private:
-    using Inputs = LeastSquares<16>::Inputs;
+    using Inputs = LeastSquares::Inputs;
 
     int code(int bit, int node, int energy_class, int second_set) {
         return mixer_.code(*coder_, bit, node, energy_class, second_set);
@@ -106,26 +119,32 @@ class Model {
         value(tile_.index(x, y), p, energy, 0, false);
     }
 
+    /// `Inside`: all neighbours are in the tile.
+    template <bool Inside>
     void pixel(int x, int y, int h, int pass, int depth) {
-        const Offsets& offsets = kNeighbours[size_t(pass)];
-        std::array<size_t, 16> at;
-        Inputs v{};
-        std::array<int, 16> q{};
+        const size_t here = tile_.index(x, y);
+        Inputs v;
+        std::array<int, 16> q;
         uint32_t known = 0xffff;
-        const bool inside =
-            x >= 3 * h && y >= 3 * h && x + 3 * h < tile_.width && y + 3 * h < tile_.height;
-        if (!inside) {
-            known = 0;
+        if constexpr (Inside) {
+            const int32_t* const value = tile_.values.data() + here;
+            const std::int16_t* const quotient = quotients_.data() + here;
             for (size_t i = 0; i < 16; ++i) {
-                const int u = x + offsets[i].first * h, w = y + offsets[i].second * h;
-                if (u >= 0 && w >= 0 && u < tile_.width && w < tile_.height) known |= 1u << i;
+                v[i] = value[neighbours_[i]];
+                q[i] = quotient[neighbours_[i]];
             }
-        }
-        for (size_t i = 0; i < 16; ++i) {
-            if (!(known >> i & 1)) continue;
-            at[i] = tile_.index(x + offsets[i].first * h, y + offsets[i].second * h);
-            v[i] = tile_.values[at[i]];
-            q[i] = quotients_[at[i]];
+        } else {
+            known = 0;
+            v.fill(0);
+            q.fill(0);
+            for (size_t i = 0; i < 16; ++i) {
+                const auto [across, down] = kNeighbours[size_t(pass)][i];
+                const int u = x + across * h, w = y + down * h;
+                if (u < 0 || w < 0 || u >= tile_.width || w >= tile_.height) continue;
+                known |= 1u << i;
+                v[i] = tile_.values[tile_.index(u, w)];
+                q[i] = quotients_[tile_.index(u, w)];
+            }
         }
 
         // Everything relative to the mean of the pixels around.
@@ -143,16 +162,14 @@ class Model {
         if (coding_.marks_low)
             for (uint32_t i = 0; i < 12; ++i) {
                 const uint32_t n = i >= 4 && i < 8 ? i + 8 : i;  // the pass's own for the outer
-                if (known >> n & 1 && v[n] == coding_.low) lows |= 1u << i;
+                lows |= (known >> n & (v[n] == coding_.low ? 1u : 0u)) << i;
             }
+        for (size_t i = 0; i < 16; ++i) v[i] = known >> i & 1 ? v[i] - base : 0;
         double deviation = 0;
-        for (size_t i = 0; i < 16; ++i) {
-            v[i] = known >> i & 1 ? v[i] - base : 0;
-            if (i < 12) deviation += std::fabs(v[i]);
-        }
+        for (size_t i = 0; i < 12; ++i) deviation += std::fabs(v[i]);
 
-        LeastSquares<16>& predictor = predictors_[size_t(pass)];
-        const double step = static_cast<double>(step_), inverse = 1 / step;
+        LeastSquares& predictor = predictors_[size_t(pass)];
+        const double step = static_cast<double>(step_), inverse = inverse_step_;
         const double range = most - least, reach = range + 2 * step;
         double predicted = base + predictor.predict(v);
         if (!(predicted >= least - reach)) predicted = least - reach;  // NaN as well
@@ -198,7 +215,6 @@ class Model {
                p;
         c[9] = lows;
 
-        const size_t here = tile_.index(x, y);
         value(here, static_cast<int64_t>(std::floor(predicted + 0.5)), energy, blended,
               (lows & 0xff) != 0);
         const double noise = (deviation * deviation + range * range) * 0.01 + step * step;
@@ -285,9 +301,11 @@ class Model {
 
     Tile& tile_;
     const TileCoding coding_;
-    int64_t bound_ = 0, step_ = 1;         ///< of the level
-    std::vector<std::int16_t> quotients_;  ///< of coded pixels, clipped
-    std::array<LeastSquares<16>, 2> predictors_;
+    int64_t bound_ = 0, step_ = 1;  ///< of the level
+    double inverse_step_ = 1;
+    std::array<std::ptrdiff_t, 16> neighbours_{};  ///< of a pixel of the pass, from its index
+    std::vector<std::int16_t> quotients_;          ///< of coded pixels, clipped
+    std::array<LeastSquares, 2> predictors_;
     ContextMixer mixer_{
         {288, 256, 16 * 12, 7 * 7 * 9, 512, kCandidates, 8 * 12, 23 * 6, 15 * 16 * 4, 4096}};
     Coder* coder_ = nullptr;

@@ -18,7 +18,11 @@ using std::int64_t;
 using std::size_t;
 
 enum class TileCoder : unsigned { constant = 0, mixing = 1, tables = 2 };
-constexpr unsigned kMarksLow = 4;
+constexpr unsigned kMarksLow = 4, kPacked = 8;
+constexpr int64_t kSmallest = std::numeric_limits<int32_t>::min();
+constexpr int64_t kLargest = std::numeric_limits<int32_t>::max();
+/// Tiles that reach further have their values, not ranks.
+constexpr int64_t kMaxPackedRange = 1 << 16;
 constexpr size_t kSmallTile = 128 * 128;
 
 /// Rounding to nearest and denormal numbers as the standard has them, whatever the program that
@@ -59,6 +63,61 @@ void for_each_row(const Place& place, const PlaneCoding& coding, std::vector<int
     }
 }
 
+/// The values of a tile, rising, if their ranks are as good: so far apart that none could stand for
+/// two, and with as many that do not occur between. Else nothing.
+std::vector<int32_t> values_apart(const Tile& tile, int32_t low, int32_t high, int64_t bound) {
+    const int64_t range = int64_t(high) - low;
+    if (range == 0 || range >= kMaxPackedRange) return {};
+    std::vector<std::uint8_t> occurs(size_t(range) + 1);
+    for (const int32_t value : tile.values) occurs[size_t(value - low)] = 1;
+    std::vector<int32_t> values;
+    for (int64_t k = 0; k <= range; ++k) {
+        if (!occurs[size_t(k)]) continue;
+        const auto value = static_cast<int32_t>(low + k);
+        if (!values.empty() && int64_t(value) - values.back() <= 2 * bound) return {};
+        values.push_back(value);
+    }
+    const bool few = int64_t(values.size()) * 2 <= range + 1;
+    return few ? values : std::vector<int32_t>();
+}
+
+void to_ranks(const std::vector<int32_t>& table, Tile& tile) {
+    std::vector<int32_t> ranks(size_t(int64_t(table.back()) - table[0]) + 1);
+    for (size_t r = 0; r < table.size(); ++r)
+        ranks[size_t(table[r] - table[0])] = static_cast<int32_t>(r);
+    for (int32_t& value : tile.values) value = ranks[size_t(value - table[0])];
+}
+
+void use_ranks(const std::vector<int32_t>& table, TileCoding& coding) {
+    coding.low = 0;
+    coding.high = static_cast<int32_t>(table.size()) - 1;
+    coding.bounds = {};
+}
+
+void from_ranks(const std::vector<int32_t>& table, Tile& tile) {
+    for (int32_t& value : tile.values) value = table[size_t(value)];
+}
+
+/// The differences of a table that starts at `low`.
+void write_table(const std::vector<int32_t>& table, Writer& head) {
+    head.length(table.size());
+    for (size_t r = 1; r < table.size(); ++r)
+        head.length(static_cast<std::uint64_t>(int64_t(table[r]) - table[r - 1]));
+}
+
+bool read_table(Reader& head, int32_t low, std::vector<int32_t>& table) {
+    const std::uint64_t size = head.length();
+    if (head.failed() || size < 2 || size > kMaxPackedRange || size - 1 > head.left()) return false;
+    table.assign(1, low);
+    while (table.size() < size) {
+        const std::uint64_t more = head.length();
+        if (more < 1 || more > kMaxPackedRange || table.back() > kLargest - int64_t(more))
+            return false;
+        table.push_back(static_cast<int32_t>(table.back() + int64_t(more)));
+    }
+    return !head.failed();
+}
+
 std::vector<Bytes> encode_tile(Tile& tile, const PlaneCoding& plane, bool best) {
     const auto [least, most] = std::minmax_element(tile.values.begin(), tile.values.end());
     TileCoding coding;
@@ -68,6 +127,9 @@ std::vector<Bytes> encode_tile(Tile& tile, const PlaneCoding& plane, bool best) 
     coding.high = *most;
     const auto lows = std::count(tile.values.begin(), tile.values.end(), coding.low);
     coding.marks_low = size_t(lows) > tile.values.size() / 10;
+    const std::vector<int32_t> table =
+        values_apart(tile, coding.low, coding.high, coding.bounds.finest);
+    const bool packed = !table.empty();
 
     const int64_t range = int64_t(coding.high) - coding.low;
     // A small tile takes no time either way, and the tables of one weigh more.
@@ -77,33 +139,39 @@ std::vector<Bytes> encode_tile(Tile& tile, const PlaneCoding& plane, bool best) 
                             : quick    ? TileCoder::tables
                                        : TileCoder::mixing;
     Writer head;
-    head.byte(static_cast<unsigned>(coder) | (coding.marks_low ? kMarksLow : 0u));
+    head.byte(static_cast<unsigned>(coder) | (coding.marks_low ? kMarksLow : 0u) |
+              (packed ? kPacked : 0u));
     head.signed_length(coding.low);
     if (coder == TileCoder::constant) {
         std::vector<Bytes> streams(size_t(plane.levels) + 1);
         streams[0] = std::move(head.bytes);
         return streams;
     }
-    head.length(static_cast<std::uint64_t>(range));
+    if (packed) {
+        write_table(table, head);
+        to_ranks(table, tile);
+        use_ranks(table, coding);
+    } else {
+        head.length(static_cast<std::uint64_t>(range));
+    }
     std::vector<Bytes> streams =
         coder == TileCoder::tables ? encode_tables(tile, coding) : encode_mixing(tile, coding);
     head.append(streams[0]);
     streams[0] = std::move(head.bytes);
+    if (packed) from_ranks(table, tile);
     return streams;
 }
 
 bool decode_tile(std::vector<View> streams, const PlaneCoding& plane, Tile& tile) {
     Reader head(streams[0]);
     const unsigned flags = head.byte();
-    if (flags > (kMarksLow | 3u)) return false;
-    constexpr int64_t smallest = std::numeric_limits<int32_t>::min();
-    constexpr int64_t largest = std::numeric_limits<int32_t>::max();
+    if (flags > (kPacked | kMarksLow | 3u)) return false;
     TileCoding coding;
     coding.levels = plane.levels;
     coding.bounds = plane.bounds;
     coding.marks_low = (flags & kMarksLow) != 0;
     const int64_t low = head.signed_length();
-    if (head.failed() || low < smallest || low > largest) return false;
+    if (head.failed() || low < kSmallest || low > kLargest) return false;
     coding.low = static_cast<int32_t>(low);
     const auto coder = static_cast<TileCoder>(flags & 3u);
     if (coder == TileCoder::constant) {
@@ -112,14 +180,25 @@ bool decode_tile(std::vector<View> streams, const PlaneCoding& plane, Tile& tile
                            [](View each) { return each.empty(); }) &&
                head.left() == 0;
     }
-    const std::uint64_t range = head.length();
-    if (head.failed() || range > static_cast<std::uint64_t>(largest - low)) return false;
-    coding.high = static_cast<int32_t>(low + static_cast<int64_t>(range));
+    std::vector<int32_t> table;
+    if (flags & kPacked) {
+        if (!read_table(head, coding.low, table)) return false;
+        use_ranks(table, coding);
+    } else {
+        const std::uint64_t range = head.length();
+        if (head.failed() || range > static_cast<std::uint64_t>(kLargest - low)) return false;
+        coding.high = static_cast<int32_t>(low + static_cast<int64_t>(range));
+    }
     streams[0] = head.take(head.left());
-    if (coder == TileCoder::tables) return decode_tables(tile, coding, streams);
-    if (coder != TileCoder::mixing) return false;
-    decode_mixing(tile, coding, streams);
-    interpolate_levels(tile, plane.levels, static_cast<int>(streams.size()) - 1);
+    if (coder == TileCoder::tables) {
+        if (!decode_tables(tile, coding, streams)) return false;
+    } else if (coder == TileCoder::mixing) {
+        decode_mixing(tile, coding, streams);
+        interpolate_levels(tile, plane.levels, static_cast<int>(streams.size()) - 1);
+    } else {
+        return false;
+    }
+    if (flags & kPacked) from_ranks(table, tile);
     return true;
 }
 

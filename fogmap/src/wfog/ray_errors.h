@@ -10,7 +10,7 @@ namespace wavefog::wfog {
 ///
 /// Horizontal rays are searched: lines in `angles` directions, a cell apart, and on each line all
 /// segments of up to so many metres, each with its optical depth tau and its error dtau:
-/// |dT| <= exp(-tau) (exp(|dtau|) - 1). A factor of 1.25 on dtau stands for the rays between the
+/// |dT| <= exp(-tau) (exp(|dtau|) - 1). A factor of 1.1 on dtau stands for the rays between the
 /// lines. From them the rest follows: h falls or rises along a ray, so its weighted integrals are
 /// means of those over segments from one end (second mean value theorem), for tau and dtau alike;
 /// and a ray that climbs at an angle is a horizontal one, stretched by 1 / cos. Where the profile

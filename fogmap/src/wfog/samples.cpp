@@ -1,11 +1,12 @@
 #include "samples.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdlib>
-#include <numeric>
+#include <iterator>
 
 namespace wavefog::wfog {
 
@@ -54,6 +55,86 @@ std::optional<std::int32_t> Scale::integer(float value) const {
     return static_cast<std::int32_t>(k < 0 ? k - 0.5 : k + 0.5);
 }
 
+void Scale::densities(const std::int32_t* from, std::size_t count, float* to) const {
+    if (kind == Kind::ratio) {
+        const double by = divisor;
+        for (std::size_t i = 0; i < count; ++i)
+            to[i] = static_cast<float>(static_cast<double>(from[i]) / by);
+    } else if (kind == Kind::step) {
+        const double by = step;
+        for (std::size_t i = 0; i < count; ++i)
+            to[i] = static_cast<float>(static_cast<double>(from[i]) * by);
+    } else {
+        std::transform(from, from + count, to, [this](std::int32_t k) { return density(k); });
+    }
+}
+
+bool Scale::integers(const float* from, std::size_t count, std::int32_t* to) const {
+    if (kind == Kind::float_bits || kind == Kind::table)
+        return std::all_of(from, from + count, [&](float value) {
+            const auto k = integer(value);
+            *to++ = k.value_or(0);
+            return k.has_value();
+        });
+    // The loops have no branches, so that compilers make vectors of them.
+    const auto convert = [&](auto scaled) {
+        std::int32_t failed = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const double k = scaled(static_cast<double>(from[i]));
+            const bool fits = std::fabs(k) <= kMostInteger;  // NaN does not
+            failed |= fits ? 0 : 1;
+            const double rounded = k + std::copysign(0.5, k);
+            to[i] = static_cast<std::int32_t>(fits ? rounded : 0.0);
+        }
+        return failed == 0;
+    };
+    if (kind == Kind::step) return convert([by = step](double value) { return value / by; });
+    return convert([by = static_cast<double>(divisor)](double value) { return value * by; });
+}
+
+namespace {
+
+/// Every density is one of the scale's, up to `tolerance`.
+bool has_all(const Scale& scale, const Grid<float>& map, double tolerance) {
+    constexpr std::size_t kBlock = 1024;
+    std::array<std::int32_t, kBlock> integers;
+    std::array<float, kBlock> back;
+    const auto size = static_cast<std::size_t>(map.size());
+    for (std::size_t at = 0; at < size; at += kBlock) {
+        const float* const values = map.data() + at;
+        const std::size_t count = std::min(kBlock, size - at);
+        if (!scale.integers(values, count, integers.data())) return false;
+        scale.densities(integers.data(), count, back.data());
+        std::int32_t differ = 0;
+        for (std::size_t i = 0; i < count; ++i)
+            differ |= std::fabs(double(back[i]) - double(values[i])) <= tolerance ? 0 : 1;
+        if (differ != 0) return false;
+    }
+    return true;
+}
+
+/// The value of that rank, counted from the least.
+float ranked(const Grid<float>& map, std::size_t rank) {
+    // By the upper half of bits that rise with the value; then only those that share it are sorted.
+    const auto key = [](float value) {
+        const auto bits = std::bit_cast<std::uint32_t>(value);
+        return bits ^ (bits >> 31 ? 0xffffffffu : 0x80000000u);
+    };
+    std::vector<std::uint32_t> counts(1 << 16);
+    const float* const begin = map.data();
+    const float* const end = begin + map.size();
+    for (const float* value = begin; value != end; ++value) ++counts[key(*value) >> 16];
+    std::uint32_t upper = 0;
+    for (; rank >= counts[upper]; ++upper) rank -= counts[upper];
+    std::vector<float> same;
+    std::copy_if(begin, end, std::back_inserter(same),
+                 [&](float value) { return key(value) >> 16 == upper; });
+    std::nth_element(same.begin(), same.begin() + static_cast<std::ptrdiff_t>(rank), same.end());
+    return same[rank];
+}
+
+}  // namespace
+
 std::optional<Scale> ratio_of(const Grid<float>& map, double slack) {
     const double largest = map.size() > 0 ? double(map.abs().maxCoeff()) : 0;
     for (const std::uint32_t divisor : {255u, 1u, 65535u, 10u, 100u, 1000u, 10000u, 2u, 4u, 8u, 16u,
@@ -62,23 +143,13 @@ std::optional<Scale> ratio_of(const Grid<float>& map, double slack) {
         const double tolerance = largest * slack;
         // A grid finer than the tolerance would fit anything.
         if (tolerance * divisor > 0.1) continue;
-        const float* const begin = map.data();
-        const bool fits = std::all_of(begin, begin + map.size(), [&](float value) {
-            const auto k = scale.integer(value);
-            if (!k) return false;
-            const float back = scale.density(*k);
-            return std::bit_cast<std::uint32_t>(back) == std::bit_cast<std::uint32_t>(value) ||
-                   std::fabs(double(back) - double(value)) <= tolerance;
-        });
-        if (!fits) continue;
+        if (!has_all(scale, map, tolerance)) continue;
         if (divisor == 255 || divisor == 65535) return scale;
         // Steps of 4/100 are steps of 1/25.
-        std::uint32_t common = divisor;
-        for (Eigen::Index i = 0; common > 1 && i < map.size(); ++i)
-            common =
-                std::gcd(common, static_cast<std::uint32_t>(std::abs(*scale.integer(begin[i]))));
-        if (common > 1 && largest > 0)
-            return Scale{.kind = Scale::Kind::ratio, .divisor = divisor / common};
+        for (std::uint32_t fewer = 1; fewer < divisor; ++fewer) {
+            const Scale coarser{.kind = Scale::Kind::ratio, .divisor = fewer};
+            if (divisor % fewer == 0 && has_all(coarser, map, tolerance)) return coarser;
+        }
         return scale;
     }
     return {};
@@ -110,10 +181,8 @@ double full_scale(const Grid<float>& map, const std::optional<Scale>& ratio) {
     if (ratio && ratio->divisor == 255) return 1;
     const double least = map.minCoeff(), most = map.maxCoeff();
     if (ratio && ratio->divisor == 65535) return most - least;
-    std::vector<float> sorted(map.data(), map.data() + map.size());
-    const auto hot = static_cast<std::ptrdiff_t>(static_cast<double>(sorted.size()) * 0.999);
-    std::nth_element(sorted.begin(), sorted.begin() + hot, sorted.end());
-    const double range = double(sorted[static_cast<std::size_t>(hot)]) - least;
+    const auto hot = static_cast<std::size_t>(static_cast<double>(map.size()) * 0.999);
+    const double range = double(ranked(map, hot)) - least;
     return range > 0 ? range : most - least;
 }
 

@@ -27,6 +27,9 @@ struct Scale {
     float density(std::int32_t k) const;
     /// The nearest integer; nothing if the density is too large for 30 bits, or not in the table.
     std::optional<std::int32_t> integer(float density) const;
+    /// density() of `count` integers, and integer() of as many densities: false if one has none.
+    void densities(const std::int32_t* integers, std::size_t count, float* densities) const;
+    bool integers(const float* densities, std::size_t count, std::int32_t* integers) const;
     bool operator==(const Scale&) const = default;
 };
 

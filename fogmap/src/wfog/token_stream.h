@@ -4,6 +4,8 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <vector>
 
 #include "bytes.h"
@@ -22,13 +24,8 @@ struct TokenModel {
     std::array<std::uint8_t, 4> stops{};
 };
 
-/// Signed integers, each in a context.
-struct Symbols {
-    std::vector<std::int32_t> values;
-    std::vector<std::uint8_t> contexts;  ///< below kTokenContexts
-};
-
-Bytes write_symbols(const Symbols& symbols);
+/// Codes signed integers, each in a context below kTokenContexts.
+Bytes write_symbols(std::span<const std::int32_t> values, std::span<const std::uint8_t> contexts);
 
 /// Reads symbols back in any number of calls.
 class SymbolReader {
@@ -40,14 +37,26 @@ class SymbolReader {
 
   private:
     static constexpr std::size_t kStates = 4;
-    struct Table {
-        std::array<std::uint16_t, kTokens> frequency, start;
-        std::vector<std::uint8_t> token;  ///< of each of 4096 slots
+    /// Of a token; the one behind the last stands for a context that the stream does not have.
+    struct Share {
+        std::uint16_t frequency = 0, start = 0;
+    };
+    struct Context {
+        std::array<Share, kTokens + 1> shares;
+        const std::uint8_t* tokens = nullptr;  ///< of each of 4096 slots
         unsigned shift = 0;
     };
+    void read_tokens(const std::uint8_t* contexts, std::size_t count);
+    template <bool kShifts>
+    void read_values(const std::uint8_t* contexts, std::size_t count, std::int32_t* values);
+    std::uint32_t escaped(unsigned token);
+    void fill_buffer();
     std::uint32_t bits(unsigned count);
 
-    std::array<Table, kTokenContexts> tables_;
+    std::array<Context, kTokenContexts> contexts_;
+    std::unique_ptr<std::uint8_t[]> slots_;
+    std::vector<std::uint8_t> tokens_;  ///< of one call
+    bool shifts_ = false;               ///< some context has a shift
     std::array<std::uint32_t, kStates> states_{};
     View words_, bits_;
     std::size_t word_ = 0, bit_byte_ = 0;

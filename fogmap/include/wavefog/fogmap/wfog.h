@@ -21,7 +21,7 @@ struct WfogOptions {
         lossless,   ///< every coefficient comes back bit for bit
         max_error,  ///< every pixel within `error` times the full scale, plus a float's rounding
         /// |dT| <= `error` along every ray of up to `path` metres above the profile's base (uniform
-        /// fog: up to 45 degrees steep), from a dense search of rays with a reserve of a quarter
+        /// fog: up to 45 degrees steep), from a dense search of rays with a reserve of a tenth
         /// for those between; not a proof
         max_transmittance_error,
         bytes,  ///< the smallest error that fits into `bytes`
