@@ -119,7 +119,7 @@ TEST_CASE("obstacles: the terrain and a mesh stop what meets them, on the side i
     const std::string data = WAVEFOG_DATA_DIR;
     scene.terrain = Terrain{data + "/dem_jacksboro_403x344.png", {-400, -341, 400, 341}, 0, 26};
     scene.meshes = {{data + "/meshes/hut.obj", {124, -0.1, 82}, 1, 52, true}};
-    const auto obstacle = scene_obstacles(scene);
+    const auto obstacle = scene_obstacles(scene.terrain, scene.meshes);
     REQUIRE_MESSAGE(obstacle.has_value(), (obstacle ? "" : obstacle.error().message));
     const auto ground = (*obstacle)({60, 60, 60}, {60, -10, 60});
     REQUIRE(ground.has_value());
@@ -135,7 +135,5 @@ TEST_CASE("obstacles: the terrain and a mesh stop what meets them, on the side i
     REQUIRE(wall.has_value());
     CHECK(wall->normal.x() > 0.3);
     CHECK(wall->point.x() > 125);
-    scene.terrain.reset();
-    scene.meshes.clear();
-    CHECK(!scene_obstacles(scene).value());
+    CHECK(!scene_obstacles({}, {}).value());
 }
