@@ -148,9 +148,10 @@ Facts json_of(const std::string& text) {
 
 /// The source that the flags describe.
 Result<ParticleSource> source_of(const GenerateOptions& options) {
-    Facts keys = {{"position", {0, 0, 0}}, {"spread_deg", 60}, {"rate", 40}, {"radius", {2, 6}}};
+    Facts keys = {{"source", "fog"}, {"position", {0, 0, 0}}, {"spread_deg", 60}, {"rate", 40},
+                  {"radius", {2, 6}}};
     for (const auto& [key, text] : options.source) keys[key] = json_of(text);
-    if (!keys.contains("area") && keys.value("source", Facts("fog")) == "fog") keys["area"] = 20;
+    if (!keys.contains("area") && keys["source"] == "fog") keys["area"] = 20;
     if (options.seed) keys["seed"] = *options.seed;
     Result<ParticleSource> source = parse_particles(keys.dump(), "particles");
     if (!source) return usage_error(source.error().message);
@@ -177,6 +178,7 @@ Result<Grid<float>> fog_map(const GenerateOptions& options, Facts& facts) {
     if (options.mean) how.mean = {options.mean->at(0), options.mean->at(1)};
     Result<Grid<float>> map = scene_map(*fogs, how, facts);
     if (!map) return map;
+    if (options.particles()) facts["seed"] = options.seed.value_or(ParticleSource{}.seed);
     const double densest = double(map->maxCoeff());
     if (densest > 1 && extension_of(options.output) == ".png")
         return data_error(fmt::format(
