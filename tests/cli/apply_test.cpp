@@ -93,7 +93,7 @@ TEST_CASE("apply: what changes in time is as in the scene: maps, and particles t
         return read_picture(work.path("fogged.exr"));
     };
     write_camera(work, R"("depth_values": "gl")");
-    const Picture particles = add(R"({"model": "particles", "position": [0, 4, 0], "area": 15,
+    const Picture particles = add(R"({"model": "particles", "source": "fog", "position": [0, 4, 0], "area": 15,
         "rate": 30, "radius": [2, 4], "lift": -0.5, "drag": 0.2, "wind": [1, 0]})");
     const Picture both = add(R"({"images": [{"time": 0, "image": "flat.exr"},
         {"time": 4, "image": "map.png"}], "rect": [-32, -32, 32, 32], "extinction": 0.05})");
