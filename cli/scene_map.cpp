@@ -69,7 +69,8 @@ class SceneColumn {
         const auto share = [&](const Channels& channels) {
             return options.channel ? channels[std::size_t(*options.channel)] : 1;
         };
-        for (const Fog& fog : fogs.fogs) maps_.push_back({Reference(fog, fogs.seconds), share(fog.channels)});
+        for (const Fog& fog : fogs.fogs)
+            maps_.push_back({Reference(fog, fogs.seconds), share(fog.channels)});
         for (const FogModel& model : fogs.models) models_.push_back({&model, share(model.channels)});
     }
 

@@ -58,7 +58,8 @@ Noise::Octaves Noise::make_octaves(int count, double aspect, std::uint64_t& stat
         for (double& place : octave.elsewhere)
             place = static_cast<double>(next(state) % kPeriod);
         if (options_.kind == NoiseOptions::Kind::simplex && !options_.tile)
-            for (const int axis : {0, 1}) octave.elsewhere[axis] = std::fmod(octave.elsewhere[axis], kNear);
+            for (const int axis : {0, 1})
+                octave.elsewhere[axis] = std::fmod(octave.elsewhere[axis], kNear);
         octaves.push_back(octave);
         across *= options_.lacunarity;
         height *= options_.gain;

@@ -35,7 +35,8 @@ double ParticlesOnCpu::optical_depth(const Eigen::Vector3d& o, const Eigen::Vect
     // The middle pixel of a picture, which looks along the path. Not high = float(direction): at -O2
     // GCC 12 takes direction - double(float(direction)) for 0 where it vectorises.
     const Eigen::Vector3d high =
-        (direction * double(PARTICLE_DIRECTION_STEPS)).array().round() / double(PARTICLE_DIRECTION_STEPS);
+        (direction * double(PARTICLE_DIRECTION_STEPS)).array().round() /
+        double(PARTICLE_DIRECTION_STEPS);
     shader::view.ray_high[2] = vec4(high.cast<float>());
     shader::view.ray_low[2] = vec4((direction - high).cast<float>());
     return shader::fog_particles(glm::ivec2(0), glm::vec3(0.0f), vec4(path.cast<float>()),
