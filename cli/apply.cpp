@@ -77,7 +77,7 @@ Result<Image> read_colour(const fs::path& file) {
     return image;
 }
 
-/// Fogs, their colour and the method of the first scene among --fog, changed as the flags say.
+/// Fogs, their colour, ground and the method of the first scene among --fog, changed as the flags say.
 Result<Scene> fogs_of(const ApplyOptions& options) {
     Scene scene;
     for (auto file = options.fogs.rbegin(); file != options.fogs.rend(); ++file)
@@ -86,6 +86,9 @@ Result<Scene> fogs_of(const ApplyOptions& options) {
             if (!loaded) return loaded;
             scene.fog_colour = loaded->fog_colour;
             scene.method = loaded->method;
+            // What its particles meet: where the picture is of that scene, they lie as in it.
+            scene.terrain = loaded->terrain;
+            scene.meshes = loaded->meshes;
         }
     if (auto ok = replace_fogs(options.fogs, scene); !ok) return tl::unexpected(ok.error());
     if (options.fog_colour) scene.fog_colour = Eigen::Vector3d(options.fog_colour->data());
@@ -118,8 +121,11 @@ Result<void> apply(const ApplyOptions& options) {
     if (!depth)
         return data_error(fmt::format("{}: {}", options.depth.string(), depth.error().message));
     if (depth->unmeasured > 0)
-        warn(fmt::format("{}: {} of {} pixels are NaN or not measured and count as background",
-                         options.depth.string(), depth->unmeasured, depth->depth.pixels.size()));
+        warn(fmt::format("{}: {} of {} pixels are NaN or not measured and count as {}",
+                         options.depth.string(), depth->unmeasured, depth->depth.pixels.size(),
+                         camera->depth.unmeasured == DepthValues::Unmeasured::background
+                             ? "background"
+                             : "their neighbours do"));
 
     scene->camera = depth->camera;
     scene->width = colour->width;
@@ -195,7 +201,9 @@ Command add_apply(CLI::App& root) {
         "             the eye); \"depth_scale\": metres a unit (1; 16-bit PNG of mm: 65.535)\n"
         "  \"inverse\"  depth_scale / metres, measured likewise\n"
         "Infinite depth, and depth at or beyond \"far\", is background: it is fogged as the sky is, by\n"
-        "all that lies before \"far\". NaN and 0 metres were not measured: background too, and counted.\n"
+        "all that lies before \"far\". NaN, 0 metres and infinite inverse depth were not measured:\n"
+        "background too, and counted; with \"unmeasured\": \"neighbours\" as far as the farther one of\n"
+        "the nearest pixels to the left and right. \"depth_offset\" is added to every value before.\n"
         "\n"
         "Example: a photograph with estimated depth\n"
         "  echo '{\"eye\": [0, 1.6, 0], \"target\": [0, 1.6, -1], \"fov_y_deg\": 55, \"far\": 2000,\n"

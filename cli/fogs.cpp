@@ -5,25 +5,43 @@
 
 #include "files.h"
 #include "report.h"
+#include "wavefog/gpu/obstacles.h"
 
 namespace wavefog::cli {
+namespace {
+
+Result<SceneFogs> load_and_warn(const std::filesystem::path& file) {
+    if (auto ok = check_input(file); !ok) return tl::unexpected(ok.error());
+    LoadNotes notes;
+    Result<SceneFogs> loaded = load_fogs(file, &notes);
+    if (loaded && !notes.warning.empty()) warn(notes.warning);
+    return loaded;
+}
+
+template <class T>
+void append(std::vector<T>& to, std::vector<T>& from) {
+    std::move(from.begin(), from.end(), std::back_inserter(to));
+}
+
+}  // namespace
 
 Result<void> replace_fogs(const std::vector<std::filesystem::path>& files, Scene& scene) {
     if (!files.empty()) {
         scene.fogs.clear();
         scene.models.clear();
         scene.model_winds.clear();
+        scene.sequences.clear();
+        scene.particles.clear();
     }
     for (const std::filesystem::path& file : files) {
-        if (auto ok = check_input(file); !ok) return ok;
-        LoadNotes notes;
-        Result<SceneFogs> loaded = load_fogs(file, &notes);
+        Result<SceneFogs> loaded = load_and_warn(file);
         if (!loaded) return tl::unexpected(loaded.error());
-        if (!notes.warning.empty()) warn(notes.warning);
-        std::move(loaded->fogs.begin(), loaded->fogs.end(), std::back_inserter(scene.fogs));
-        std::move(loaded->models.begin(), loaded->models.end(), std::back_inserter(scene.models));
-        std::move(loaded->model_winds.begin(), loaded->model_winds.end(),
-                  std::back_inserter(scene.model_winds));
+        for (MapSequence& sequence : loaded->sequences) sequence.fog += scene.fogs.size();
+        append(scene.sequences, loaded->sequences);
+        append(scene.particles, loaded->particles);
+        append(scene.fogs, loaded->fogs);
+        append(scene.models, loaded->models);
+        append(scene.model_winds, loaded->model_winds);
     }
     return {};
 }
@@ -35,6 +53,37 @@ Result<Scene> load_grey_scene(const std::filesystem::path& file) {
                           ": a fog has \"channels\", and errors are measured for one colour; "
                           "remove the key to measure");
     return scene;
+}
+
+Result<std::vector<Particle>> particles_at(const std::vector<ParticleSource>& sources,
+                                           const std::optional<Terrain>& terrain,
+                                           const std::vector<MeshInstance>& meshes,
+                                           double seconds) {
+    if (sources.empty()) return std::vector<Particle>{};
+    auto obstacles = scene_obstacles(terrain, meshes);
+    if (!obstacles) return tl::unexpected(obstacles.error());
+    return ParticleSystem(sources, *std::move(obstacles)).at(seconds);
+}
+
+Result<FogsAt> fogs_at(SceneFogs loaded, double seconds) {
+    for (const MapSequence& sequence : loaded.sequences)
+        if (auto ok = SequencePlayer(sequence).show(seconds, loaded.fogs[sequence.fog]); !ok)
+            return tl::unexpected(ok.error());
+    FogsAt fogs{seconds,
+                std::move(loaded.fogs),
+                models_at(std::move(loaded.models), loaded.model_winds, seconds),
+                {},
+                std::move(loaded.terrain)};
+    auto particles = particles_at(loaded.particles, fogs.terrain, loaded.meshes, seconds);
+    if (!particles) return tl::unexpected(particles.error());
+    fogs.particles = *std::move(particles);
+    return fogs;
+}
+
+Result<FogsAt> load_fogs_at(const std::filesystem::path& file, double seconds) {
+    Result<SceneFogs> loaded = load_and_warn(file);
+    if (!loaded) return tl::unexpected(loaded.error());
+    return fogs_at(*std::move(loaded), seconds);
 }
 
 }  // namespace wavefog::cli

@@ -110,6 +110,20 @@ struct FrameDrawer::Impl {
         return {};
     }
 
+    /// What changes in time, and the pass.
+    Result<void> make_fogs() {
+        for (const MapSequence& sequence : scene->sequences) {
+            players.emplace_back(sequence);
+            changing.push_back(scene->fogs[sequence.fog]);
+        }
+        if (!scene->particles.empty()) {
+            auto obstacles = scene_obstacles(scene->terrain, scene->meshes);
+            if (!obstacles) return tl::unexpected(obstacles.error());
+            particles.emplace(scene->particles, *std::move(obstacles));
+        }
+        return scene->method.kind == MethodKind::reference ? Result<void>{} : make_pass();
+    }
+
     /// The maps that change, as they are at a time.
     Result<void> show_maps(double seconds) {
         for (std::size_t i = 0; i < players.size(); ++i)
@@ -204,17 +218,7 @@ Result<FrameDrawer> FrameDrawer::create(const Scene& scene, const std::string& c
                         "less --supersample",
                         width, height));
     renderer->draw(impl->target, scene.camera);
-    for (const MapSequence& sequence : scene.sequences) {
-        impl->players.emplace_back(sequence);
-        impl->changing.push_back(scene.fogs[sequence.fog]);
-    }
-    if (!scene.particles.empty()) {
-        auto obstacles = scene_obstacles(scene);
-        if (!obstacles) return tl::unexpected(obstacles.error());
-        impl->particles.emplace(scene.particles, *std::move(obstacles));
-    }
-    if (scene.method.kind != MethodKind::reference)
-        if (auto made = impl->make_pass(); !made) return tl::unexpected(made.error());
+    if (auto made = impl->make_fogs(); !made) return tl::unexpected(made.error());
     return FrameDrawer(std::move(impl));
 }
 
@@ -239,8 +243,7 @@ Result<FrameDrawer> FrameDrawer::over(const Scene& scene, const Surfaces& surfac
         upload(impl->gl(), colour, GL_RGBA32F, colour.channels == 4 ? GL_RGBA : GL_RGB);
     impl->target.depth =
         upload(impl->gl(), surfaces.depth, GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT);
-    if (scene.method.kind != MethodKind::reference)
-        if (auto made = impl->make_pass(); !made) return tl::unexpected(made.error());
+    if (auto made = impl->make_fogs(); !made) return tl::unexpected(made.error());
     return FrameDrawer(std::move(impl));
 }
 

@@ -1,6 +1,7 @@
 // wavefog probe: optical depth and transmittance along rays given in a CSV file.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iostream>
@@ -10,6 +11,7 @@
 
 #include "command.h"
 #include "files.h"
+#include "fogs.h"
 #include "interrupt.h"
 #include "options.h"
 #include "parallel.h"
@@ -58,6 +60,15 @@ Result<OpticalDepth> evaluator(const std::vector<FogModel>& models, const Method
     };
 }
 
+/// The same through all particles.
+Result<OpticalDepth> evaluator(const std::vector<Particle>& particles, const Method& method) {
+    if (method.kind == MethodKind::reference)
+        return [particles](const auto& o, const auto& p) { return optical_depth(particles, o, p); };
+    return [shader = ParticlesOnCpu(particles)](const auto& o, const auto& p) {
+        return shader.optical_depth(o, p);
+    };
+}
+
 Result<RayTable> rays_of(const fs::path& file) {
     if (file == "-") return read_rays(std::cin, "standard input");
     if (auto ok = check_input(file); !ok) return tl::unexpected(ok.error());
@@ -65,11 +76,59 @@ Result<RayTable> rays_of(const fs::path& file) {
     return read_rays(stream, file.string());
 }
 
-void write_rows(std::ostream& out, const RayTable& table, const std::vector<double>& depths) {
-    if (!table.header.empty()) out << table.header << ",optical_depth,transmittance\n";
-    for (std::size_t i = 0; i < depths.size(); ++i)
-        out << fmt::format("{},{:.17g},{:.17g}\n", table.rays[i].text, depths[i],
-                           std::exp(-depths[i]));
+/// Optical depth of every ray, as red, green and blue see it.
+using Depths = std::vector<Eigen::Array3d>;
+
+void write_rows(std::ostream& out, const RayTable& table, const Depths& depths, bool coloured) {
+    const auto columns = [&](const char* name) {
+        return coloured ? fmt::format(",{0}_red,{0}_green,{0}_blue", name)
+                        : fmt::format(",{}", name);
+    };
+    if (!table.header.empty())
+        out << table.header << columns("optical_depth") << columns("transmittance") << '\n';
+    const int channels = coloured ? 3 : 1;
+    for (std::size_t i = 0; i < depths.size(); ++i) {
+        out << table.rays[i].text;
+        for (int c = 0; c < channels; ++c) out << fmt::format(",{:.17g}", depths[i][c]);
+        for (int c = 0; c < channels; ++c) out << fmt::format(",{:.17g}", std::exp(-depths[i][c]));
+        out << '\n';
+    }
+}
+
+/// The sum over all fogs.
+Result<Depths> depths_of(const RayTable& table, const FogsAt& fogs, const Method& method) {
+    Depths depths(table.rays.size(), Eigen::Array3d::Zero());
+    const auto add = [&](const Result<OpticalDepth>& through,
+                         const Channels& channels) -> Result<void> {
+        if (!through) return tl::unexpected(through.error());
+        const Eigen::Array3d shares(channels.data());
+        parallel_chunks("probing", depths.size(), 64, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i)
+                depths[i] += (*through)(table.rays[i].origin, table.rays[i].end) * shares;
+        });
+        return {};
+    };
+    for (const Fog& fog : fogs.fogs)
+        if (auto ok = add(evaluator(fog, method, fogs.seconds), fog.channels); !ok)
+            return tl::unexpected(ok.error());
+    // Models that all colours see alike go through the shader together, as they do in a picture.
+    std::vector<std::vector<FogModel>> groups;
+    for (const FogModel& model : fogs.models) {
+        const auto alike = std::find_if(groups.begin(), groups.end(), [&](const auto& group) {
+            return group.front().channels == model.channels;
+        });
+        if (alike == groups.end())
+            groups.push_back({model});
+        else
+            alike->push_back(model);
+    }
+    for (const auto& group : groups)
+        if (auto ok = add(evaluator(group, method), group.front().channels); !ok)
+            return tl::unexpected(ok.error());
+    if (!fogs.particles.empty())
+        if (auto ok = add(evaluator(fogs.particles, method), kAllChannels); !ok)
+            return tl::unexpected(ok.error());
+    return depths;
 }
 
 Result<void> probe(const ProbeOptions& options) {
@@ -80,41 +139,15 @@ Result<void> probe(const ProbeOptions& options) {
             return ok;
     Method method = options.method;
     method.mu = options.mu.value_or(method.mu);
-    LoadNotes notes;
-    Result<SceneFogs> loaded = load_fogs(options.input, &notes);
-    if (!loaded) return tl::unexpected(loaded.error());
-    if (!loaded->particles.empty())
-        return data_error(options.input.string() +
-                          ": probe knows no particles, which meet the scene's ground; use render "
-                          "--transmittance");
-    for (const MapSequence& sequence : loaded->sequences)
-        if (auto ok = SequencePlayer(sequence).show(options.time, loaded->fogs[sequence.fog]); !ok)
-            return ok;
-    if (!notes.warning.empty()) warn(notes.warning);
+    const Result<FogsAt> fogs = load_fogs_at(options.input, options.time);
+    if (!fogs) return tl::unexpected(fogs.error());
     const Result<RayTable> table = rays_of(options.rays);
     if (!table) return tl::unexpected(table.error());
-
-    std::vector<double> depths(table->rays.size());
-    const auto add = [&](const OpticalDepth& through) {
-        parallel_chunks("probing", depths.size(), 64, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i)
-                depths[i] += through(table->rays[i].origin, table->rays[i].end);
-        });
-    };
-    for (const Fog& fog : loaded->fogs) {
-        const auto through = evaluator(fog, method, options.time);
-        if (!through) return tl::unexpected(through.error());
-        add(*through);
-    }
-    if (!loaded->models.empty()) {
-        const auto through = evaluator(
-            models_at(loaded->models, loaded->model_winds, options.time), method);
-        if (!through) return tl::unexpected(through.error());
-        add(*through);
-    }
+    const Result<Depths> depths = depths_of(*table, *fogs, method);
+    if (!depths) return tl::unexpected(depths.error());
 
     if (to_stdout) {
-        write_rows(std::cout, *table, depths);
+        write_rows(std::cout, *table, *depths, fogs->coloured());
         std::cout.flush();
         if (!std::cout) return data_error("standard output: cannot be written; is the disk full?");
         return {};
@@ -122,11 +155,14 @@ Result<void> probe(const ProbeOptions& options) {
     const HoldInterrupts hold;
     Result<TextOutput> output = TextOutput::create(options.output);
     if (!output) return tl::unexpected(output.error());
-    write_rows(output->stream(), *table, depths);
+    write_rows(output->stream(), *table, *depths, fogs->coloured());
     if (auto ok = output->commit(); !ok) return ok;
-    const std::size_t count = loaded->fogs.size() + loaded->models.size();
-    fmt::print("wrote {}: {} rays through {} fog{}, method {}, mu {}\n", options.output.string(),
-               depths.size(), count, count == 1 ? "" : "s", method.name(), method.mu);
+    const std::size_t count = fogs->fogs.size() + fogs->models.size();
+    const std::string particles =
+        fogs->particles.empty() ? "" : fmt::format(" and {} particles", fogs->particles.size());
+    fmt::print("wrote {}: {} rays through {} fog{}{}, method {}, mu {}\n",
+               options.output.string(), depths->size(), count, count == 1 ? "" : "s", particles,
+               method.name(), method.mu);
     return {};
 }
 
@@ -155,8 +191,8 @@ Command add_probe(CLI::App& root) {
         "Each row ox,oy,oz,px,py,pz is a segment from O to P in metres, y up; a header line is\n"
         "optional. The same rows come out with two columns more: the optical depth, the integral\n"
         "of extinction from O to P, and the transmittance exp(-optical depth), the share of light\n"
-        "that gets through. Several fogs add their optical depths. `reference` is exact in "
-        "double;\n"
+        "that gets through. Several fogs add their optical depths; if some have \"channels\", both\n"
+        "columns come for red, green and blue. `reference` is exact in double;\n"
         "the other methods run the shader's own code on the CPU in float, so that their error can\n"
         "be seen without a GPU. `radial` builds a table around each O: keep the rays of one O "
         "together.\n"

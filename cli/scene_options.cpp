@@ -2,48 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <iterator>
-
 #include "files.h"
-#include "report.h"
+#include "fogs.h"
 #include "wavefog/fogmap/fog_file.h"
 
 namespace wavefog::cli {
-namespace {
 
 namespace fs = std::filesystem;
-
-/// The fogs of --fog instead of the scene's own.
-Result<void> replace_fogs(const std::vector<fs::path>& files, Scene& scene) {
-    if (!files.empty()) {
-        scene.fogs.clear();
-        scene.models.clear();
-        scene.model_winds.clear();
-        scene.sequences.clear();
-        scene.particles.clear();
-    }
-    for (const fs::path& file : files) {
-        if (auto ok = check_input(file); !ok) return ok;
-        LoadNotes notes;
-        Result<SceneFogs> loaded = load_fogs(file, &notes);
-        if (!loaded) return tl::unexpected(loaded.error());
-        if (!notes.warning.empty()) warn(notes.warning);
-        for (MapSequence& sequence : loaded->sequences) {
-            sequence.fog += scene.fogs.size();
-            scene.sequences.push_back(std::move(sequence));
-        }
-        std::move(loaded->particles.begin(), loaded->particles.end(),
-                  std::back_inserter(scene.particles));
-        std::move(loaded->fogs.begin(), loaded->fogs.end(), std::back_inserter(scene.fogs));
-        std::move(loaded->models.begin(), loaded->models.end(), std::back_inserter(scene.models));
-        std::move(loaded->model_winds.begin(), loaded->model_winds.end(),
-                  std::back_inserter(scene.model_winds));
-    }
-    return {};
-}
-
-}  // namespace
 
 std::vector<fs::path> SceneOptions::inputs() const {
     std::vector<fs::path> files = fogs;

@@ -92,7 +92,7 @@ float optical_depth(vec2 pixel, float depth) {
 #if FOG_METHOD == FOG_METHOD_MODELS
     float tau = fog_models(start, path, metres, shared_place, per_direction);
 #ifdef FOG_PARTICLES
-    tau += fog_particles(ivec2(pixel), start, path, metres);
+    tau += fog_particles(ivec2(pixel), start, path, metres, shared_place, per_direction);
 #endif
     return tau;
 #elif FOG_METHOD == FOG_METHOD_HOMOGENEOUS

@@ -1,12 +1,18 @@
 // First step of the froxel volume: the extinction of one fog, 1/m, sampled once at every froxel's
 // centre. One invocation a froxel. Defines: FOG_DEGREE, FOG_PROFILE; FROXEL_ADD adds to the fogs
-// before it.
+// before it; FROXEL_CHANNELS: red, green and blue see shares of each fog (paper 001, eq. 9).
 layout(local_size_x = 8, local_size_y = 8) in;
 
 #include "fog_block.glsl"
 #include "froxel_grid.glsl"
 
+#ifdef FROXEL_CHANNELS
+layout(rgba32f) uniform image3D froxel_extinction;
+uniform vec3 channels;
+#else
 layout(r32f) uniform image3D froxel_extinction;
+const vec3 channels = vec3(1.0f);
+#endif
 uniform sampler2D fog_map;  // bilinear (nearest for Haar), zero border or repeat
 
 #include "fog_ray.glsl"
@@ -29,9 +35,9 @@ void main() {
         return;
     }
     float depth = cell.z == 0 ? 0.5f * froxel.slices.z : froxel_depth(float(cell.z) + 0.5f);
-    float sum = extinction(froxel_point(froxel_tile(cell.xy), depth));
+    vec4 sum = vec4(extinction(froxel_point(froxel_tile(cell.xy), depth)) * channels, 0.0f);
 #ifdef FROXEL_ADD
-    sum += imageLoad(froxel_extinction, cell).x;
+    sum += imageLoad(froxel_extinction, cell);
 #endif
-    imageStore(froxel_extinction, cell, vec4(sum));
+    imageStore(froxel_extinction, cell, sum);
 }

@@ -85,7 +85,8 @@ double ssim(int width, int height, const std::vector<double>& a, const std::vect
 }
 
 Truth compute_truth(const std::vector<Fog>& fogs, const std::vector<FogModel>& models,
-                    const Camera& camera, const Image& depth, int stride, bool means) {
+                    const Camera& camera, const Image& depth, int stride, bool means,
+                    const std::vector<Particle>& particles) {
     Truth truth;
     truth.width = (depth.width + stride - 1) / stride;
     truth.height = (depth.height + stride - 1) / stride;
@@ -110,7 +111,8 @@ Truth compute_truth(const std::vector<Fog>& fogs, const std::vector<FogModel>& m
                 const double right = (i + 0.5) / kSubpixels - 0.5;
                 const double down = (j + 0.5) / kSubpixels - 0.5;
                 sum += std::exp(
-                    -rays.optical_depth(references, rays.at(x + right, y + down, z), 1, models));
+                    -rays.optical_depth(references, rays.at(x + right, y + down, z), 1, models,
+                                        particles));
             }
         return sum / (kSubpixels * kSubpixels);
     };
@@ -121,7 +123,7 @@ Truth compute_truth(const std::vector<Fog>& fogs, const std::vector<FogModel>& m
                 const int x = stride * column, y = stride * row;
                 const double z = double(depth.at(x, y, 0));
                 const PixelRay ray = rays.at(x, y, z);
-                truth.tau[at] = rays.optical_depth(references, ray, 1, models);
+                truth.tau[at] = rays.optical_depth(references, ray, 1, models, particles);
                 if (means)
                     truth.mean_T[at] =
                         finer_than_pixel(ray) ? mean(x, y, z) : std::exp(-truth.tau[at]);

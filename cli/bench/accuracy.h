@@ -25,7 +25,8 @@ struct Truth {
 /// them: the finest map itself. `means` asks for mean_T: 4x4 rays a pixel, all of which end at the
 /// one depth that the buffer has for it.
 Truth compute_truth(const std::vector<Fog>& fogs, const std::vector<FogModel>& models,
-                    const Camera& camera, const Image& depth, int stride = 1, bool means = false);
+                    const Camera& camera, const Image& depth, int stride = 1, bool means = false,
+                    const std::vector<Particle>& particles = {});
 
 /// Every stride-th pixel of every stride-th row, as a Truth of that stride has them.
 Image every_nth(const Image& image, int stride);

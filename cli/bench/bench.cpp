@@ -38,14 +38,16 @@ Result<void> check_usage(const BenchOptions& options) {
         return usage_error("bench: --readme finds its result files itself; leave --from out");
     const bool own_maps =
         options.plan.preset == Preset::stability || options.plan.preset == Preset::motion;
+    const bool no_budget = options.plan.preset == Preset::stability;
     if (own_maps &&
-        (options.measure.seconds || options.measure.frames || options.plan.size ||
+        ((no_budget && options.measure.seconds) || options.measure.frames || options.plan.size ||
          !options.plan.methods.empty() || !options.plan.mus.empty() ||
          !options.plan.levels.empty() || !options.scenes.empty()))
         return usage_error(
             fmt::format("bench: preset {} studies maps and sizes of its own; leave out scenes, "
-                        "--methods, --mu, --levels, --size, --frames and --budget",
-                        preset_names[std::size_t(options.plan.preset)]));
+                        "--methods, --mu, --levels, --size{} --frames{}",
+                        preset_names[std::size_t(options.plan.preset)], no_budget ? "," : " and",
+                        no_budget ? " and --budget" : ""));
     const bool needs_scene =
         !stored && !own_maps && options.plan.preset != Preset::compression;
     if (needs_scene && options.scenes.empty())
@@ -101,7 +103,7 @@ Result<Results> measure(const BenchOptions& options) {
     if (options.plan.preset == Preset::stability) {
         if (auto ok = study_stability(**context, results); !ok) return tl::unexpected(ok.error());
     } else if (options.plan.preset == Preset::motion) {
-        if (auto ok = study_motion(**context, results); !ok) return tl::unexpected(ok.error());
+        if (auto ok = study_motion(**context, options.measure.seconds.value_or(25), results); !ok) return tl::unexpected(ok.error());
     } else {
         const Result<std::vector<Group>> groups = plan(scenes, options.plan, results.cut);
         if (!groups) return tl::unexpected(groups.error());
@@ -172,7 +174,7 @@ Command add_bench(CLI::App& root) {
     add_parsed(
         *app, "--budget", options->measure.seconds,
         [](const std::string& text) { return parse_number_in(text, 0.001, 1e6); }, "SECONDS",
-        "Take about this long and tell what was left out (chart and paper-tables: 780)");
+        "Take about this long and tell what was left out (chart and paper-tables: 780, motion: 25)");
     app->add_flag("--reuse", options->measure.reuse,
                   "Let method radial keep its table, as a camera at rest does (it is filled anew "
                   "each frame)");

@@ -124,7 +124,7 @@ Result<const Truth*> Measurement::truth(const Group& group, const Variant& varia
     if (!fogs) return tl::unexpected(fogs.error());
     const Scene& scene = scenes_[group.scene].scene;
     Truth made = compute_truth(*fogs, scene.models, scene.camera, stage.depth, group.stride,
-                               group.pixel_means);
+                               group.pixel_means, scenes_[group.scene].particles);
     return &truths_.emplace(key, std::move(made)).first->second;
 }
 
@@ -251,8 +251,13 @@ Result<FogPass> Measurement::make_pass(const Group& group, std::size_t index, co
     }
     std::vector<const FogTextures*> fogs;
     for (const FogTextures& made : textures) fogs.push_back(&made);
-    const Scene& scene = scenes_[group.scene].scene;
-    return FogPass::create(context_.gl(), fogs, method, scene.fog_colour, scene.models);
+    const BenchScene& drawn = scenes_[group.scene];
+    const bool with_particles = !drawn.particles.empty();
+    Result<FogPass> pass = FogPass::create(context_.gl(), fogs, method, drawn.scene.fog_colour,
+                                           drawn.scene.models, with_particles);
+    if (pass && with_particles)
+        if (auto ok = pass->set_particles(drawn.particles); !ok) return tl::unexpected(ok.error());
+    return pass;
 }
 
 void Measurement::estimate(std::vector<Contender>& contenders, const Stage& stage,

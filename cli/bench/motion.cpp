@@ -21,12 +21,12 @@ namespace {
 constexpr int kSizes[] = {64, 128, 256, 512, 1024};
 constexpr int kCounts[] = {0, 20, 200, 2000, 20000};
 constexpr double kRows = std::size(kSizes) + std::size(kCounts);
-constexpr int kLeastRuns = 15, kMostRuns = 400;
-constexpr double kSecondsEach = 1;
+constexpr double kMedians = 3 * std::size(kSizes) + 2 * std::size(kCounts);
+constexpr int kLeastRuns = 3, kMostRuns = 400;
 
-/// Median of milliseconds, after one run that allocates.
+/// Median of milliseconds within about `seconds`, after one run that allocates.
 template <class Work>
-Result<double> median_ms(const Work& work) {
+Result<double> median_ms(double seconds, const Work& work) {
     using Clock = std::chrono::steady_clock;
     std::vector<double> times;
     const auto start = Clock::now();
@@ -35,7 +35,7 @@ Result<double> median_ms(const Work& work) {
         if (auto ok = work(run); !ok) return tl::unexpected(ok.error());
         const auto now = Clock::now();
         if (run > 0) times.push_back(std::chrono::duration<double, std::milli>(now - before).count());
-        if (run >= kLeastRuns && std::chrono::duration<double>(now - start).count() > kSecondsEach)
+        if (run >= kLeastRuns && std::chrono::duration<double>(now - start).count() > seconds)
             break;
     }
     std::nth_element(times.begin(), times.begin() + std::ptrdiff_t(times.size() / 2), times.end());
@@ -55,7 +55,7 @@ Grid<float> bank_map(int size, double phase) {
     return map;
 }
 
-Result<void> study_maps(const Gl& gl, Facts& rows) {
+Result<void> study_maps(const Gl& gl, double seconds, Facts& rows) {
     for (const int size : kSizes) {
         show_progress_line(double(rows.size()) / kRows, 0, fmt::format("{}²", size));
         const Grid<float> maps[] = {bank_map(size, 0), bank_map(size, 1)};
@@ -67,15 +67,15 @@ Result<void> study_maps(const Gl& gl, Facts& rows) {
         const Fog first = *fog;
         const auto& like = first.decomposition;
         Decomposition<float> made;
-        const auto decomposed = median_ms([&](int run) {
+        const auto decomposed = median_ms(seconds, [&](int run) {
             return decompose_into(maps[run % 2], like.family, like.levels(), like.form,
                                   like.boundary, made);
         });
-        const auto mixed = median_ms([&](int run) {
+        const auto mixed = median_ms(seconds, [&](int run) {
             return interpolate(like, other->decomposition, (run % 64 + 0.5) / 64,
                                fog->decomposition);
         });
-        const auto uploaded = median_ms([&](int) {
+        const auto uploaded = median_ms(seconds, [&](int) {
             auto ok = textures->update(gl, *fog);
             gl.Finish();
             return ok;
@@ -104,7 +104,7 @@ ParticleSource drifting(int count) {
     return source;
 }
 
-Result<void> study_particles(const Gl& gl, Facts& rows) {
+Result<void> study_particles(const Gl& gl, double seconds, Facts& rows) {
     constexpr int kWidth = 800, kHeight = 600;
     constexpr double kFrame = 1.0 / 24;
     Camera camera;
@@ -127,11 +127,11 @@ Result<void> study_particles(const Gl& gl, Facts& rows) {
         if (count > 0) sources.push_back(drifting(count));
         ParticleSystem system(std::move(sources));
         std::vector<Particle> now;
-        const auto stepped = median_ms([&](int run) -> Result<void> {
+        const auto stepped = median_ms(seconds, [&](int run) -> Result<void> {
             now = system.at(run * kFrame);
             return {};
         });
-        const auto drawn = median_ms([&](int) -> Result<void> {
+        const auto drawn = median_ms(seconds, [&](int) -> Result<void> {
             if (auto ok = pass->set_particles(now); !ok) return ok;
             pass->draw_colour(frame, camera, output->name());
             gl.Finish();
@@ -146,10 +146,11 @@ Result<void> study_particles(const Gl& gl, Facts& rows) {
 
 }  // namespace
 
-Result<void> study_motion(Context& context, Results& results) {
+Result<void> study_motion(Context& context, double seconds, Results& results) {
     results.motion = Facts::array();
-    auto done = study_maps(context.gl(), results.motion);
-    if (done) done = study_particles(context.gl(), results.motion);
+    const double each = seconds / kMedians;
+    auto done = study_maps(context.gl(), each, results.motion);
+    if (done) done = study_particles(context.gl(), each, results.motion);
     clear_progress_line();
     return done;
 }

@@ -30,7 +30,9 @@ const char* form_name(Form form) {
 Result<BenchScene> load_bench_scene(const std::filesystem::path& file) {
     Result<Scene> scene = load_grey_scene(file);
     if (!scene) return tl::unexpected(scene.error());
-    BenchScene result{file.stem().string(), {}, *std::move(scene)};
+    auto particles = particles_at(scene->particles, scene->terrain, scene->meshes, 0);
+    if (!particles) return tl::unexpected(particles.error());
+    BenchScene result{file.stem().string(), {}, *std::move(scene), *std::move(particles)};
     std::ifstream stream(file);
     const Facts json = Facts::parse(stream, nullptr, false);
     for (const Facts& fog : json.value("fog", Facts::array())) {

@@ -15,6 +15,7 @@ struct BenchScene {
     std::string name;                    ///< of the file, without ".json"
     std::vector<std::string> map_names;  ///< of each map's picture, without its folder
     Scene scene;
+    std::vector<Particle> particles;  ///< at time 0, when scenes are measured
 };
 
 Result<BenchScene> load_bench_scene(const std::filesystem::path& file);

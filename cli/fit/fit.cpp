@@ -182,6 +182,10 @@ Result<void> fit(const FitOptions& options) {
     if (!scene->sequences.empty())
         return data_error(scene->sequences.front().place +
                           ": a map that changes cannot be fitted; give one \"image\"");
+    if (!scene->particles.empty())
+        warn(options.input.string() +
+             ": particles stay in the scene and are left out of the fit; they only dim what lies "
+             "behind, so that no |dT| grows by them");
     if (auto ok = check_files(options, *scene); !ok) return ok;
     const Size size = options.size.value_or(Size{scene->width, scene->height});
     const Result<std::unique_ptr<Context>> context = create_context(options.context);

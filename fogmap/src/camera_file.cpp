@@ -16,7 +16,7 @@ DepthValues read_depth_values(const JsonValue& value) {
     constexpr Kind kinds[] = {Kind::gl, Kind::metres, Kind::inverse};
     depth.kind = kinds[value.key("depth_values").choice({"gl", "metres", "inverse"})];
     if (depth.kind == Kind::gl) {
-        for (const char* key : {"measured", "depth_scale"})
+        for (const char* key : {"measured", "depth_scale", "depth_offset", "unmeasured"})
             if (const auto found = value.find(key))
                 found->fail("belongs to depth in metres; remove it, or change \"depth_values\"");
         return depth;
@@ -25,6 +25,11 @@ DepthValues read_depth_values(const JsonValue& value) {
                          ? DepthValues::Measured::axis
                          : DepthValues::Measured::distance;
     if (const auto scale = value.find("depth_scale")) depth.scale = scale->above(0);
+    if (const auto offset = value.find("depth_offset")) depth.offset = offset->number();
+    if (const auto unmeasured = value.find("unmeasured"))
+        depth.unmeasured = unmeasured->choice({"background", "neighbours"}) == 0
+                               ? DepthValues::Unmeasured::background
+                               : DepthValues::Unmeasured::neighbours;
     return depth;
 }
 
@@ -39,7 +44,8 @@ Result<CameraFile> load_camera(const std::filesystem::path& file) {
         if (!json) return tl::unexpected(json.error());
         const JsonValue root(*json, name);
         return CameraFile{
-            detail::read_camera(root, {"depth_values", "measured", "depth_scale"}),
+            detail::read_camera(root, {"depth_values", "measured", "depth_scale", "depth_offset",
+                                       "unmeasured"}),
             read_depth_values(root)};
     } catch (const detail::JsonFailure& failure) {
         return tl::unexpected(failure.error);

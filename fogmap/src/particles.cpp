@@ -74,7 +74,7 @@ Result<void> ParticleSource::validate() const {
           {life[1] >= life[0], "life[1]", double(life[1]), "life[0] or more (steps)"}})
         if (auto checked = need(ok, key, value, what); !checked) return checked;
     if (!position.allFinite()) return data_error("position must be finite (m)");
-    if (std::abs(direction.norm() - 1) > 1e-12)
+    if (!(std::abs(direction.norm() - 1) <= 1e-12))
         return data_error("direction is 0 or not finite; give a direction");
     if (most() > kMostParticles)
         return data_error(fmt::format(

@@ -252,6 +252,16 @@ Result<Scene> load_scene(const fs::path& file) {
     }
 }
 
+Result<ParticleSource> parse_particles(const std::string& json, const std::string& place) {
+    try {
+        const auto value = detail::parse_json(json, place);
+        if (!value) return tl::unexpected(value.error());
+        return detail::read_particles(JsonValue(*value, place));
+    } catch (const JsonFailure& failure) {
+        return tl::unexpected(failure.error);
+    }
+}
+
 Result<Camera> find_camera(const Scene& scene, const std::string& name) {
     std::string names;
     for (const NamedCamera& named : scene.cameras) {
@@ -276,20 +286,21 @@ Result<SceneFogs> load_fogs(const fs::path& file, LoadNotes* notes) {
     if (is_fog_file(file)) {
         auto fog = load_fog(file, notes);
         if (!fog) return tl::unexpected(fog.error());
-        return SceneFogs{{std::move(*fog)}, {}, {}, {}, {}};
+        return SceneFogs{{std::move(*fog)}, {}, {}, {}, {}, {}, {}};
     }
     if (detail::lower_extension(file) == ".json") {
         auto scene = load_scene(file);
         if (!scene) return tl::unexpected(scene.error());
         return SceneFogs{std::move(scene->fogs), std::move(scene->models),
                          std::move(scene->model_winds), std::move(scene->sequences),
-                         std::move(scene->particles)};
+                         std::move(scene->particles), std::move(scene->terrain),
+                         std::move(scene->meshes)};
     }
     const auto map = read_fogmap(file);
     if (!map) return tl::unexpected(map.error());
     auto fog = make_fog(map->pixels, {});
     if (!fog) return data_error(fmt::format("{}: {}", file.string(), fog.error().message));
-    return SceneFogs{{std::move(*fog)}, {}, {}, {}, {}};
+    return SceneFogs{{std::move(*fog)}, {}, {}, {}, {}, {}, {}};
 }
 
 }  // namespace wavefog

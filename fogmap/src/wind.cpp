@@ -36,6 +36,11 @@ Vector2d metres_from_first(const std::vector<Wind::Key>& keys, double seconds) {
     return sum + velocity_of(keys.back()) * (seconds - keys.back().seconds);
 }
 
+/// The same place of what repeats, without whole periods: exact, and no digit goes with time.
+double within_period(double metres, double period) {
+    return std::remainder(metres, period);
+}
+
 }  // namespace
 
 bool Wind::calm() const {
@@ -87,11 +92,23 @@ FogModel moved(const FogModel& model, const Vector3d& metres) {
                 for (auto& wave : fog.waves)
                     wave.phase -= wave.frequency * wave.direction.dot(metres);
             } else if constexpr (std::is_same_v<Kind, Polynomials>) {
-                for (auto& term : fog.terms) term.centre += metres;
+                for (auto& term : fog.terms) {
+                    const bool repeat = term.outside == Polynomials::Outside::repeat;
+                    if (repeat)
+                        term.centre += within_period(metres.dot(term.direction),
+                                                     2 * term.half_width) *
+                                       term.direction;
+                    else
+                        term.centre += metres;
+                }
             } else if constexpr (std::is_same_v<Kind, Separable>) {
                 for (std::size_t a = 0; a < 3; ++a) {
-                    fog.axes[a].begin += metres[static_cast<Eigen::Index>(a)];
-                    fog.axes[a].end += metres[static_cast<Eigen::Index>(a)];
+                    AxisTable& axis = fog.axes[a];
+                    const double far = metres[static_cast<Eigen::Index>(a)];
+                    const double shift =
+                        axis.repeat ? within_period(far, axis.end - axis.begin) : far;
+                    axis.begin += shift;
+                    axis.end += shift;
                 }
             } else {
                 static_assert(std::is_same_v<Kind, Potentials>);

@@ -13,6 +13,7 @@ namespace wavefog {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnmeasured = -1;  // among metres
 
 /// The first channel; the others must not differ.
 Result<Image> one_channel(const Image& values) {
@@ -55,6 +56,22 @@ Result<DepthPicture> from_gl(Image values, const Camera& camera) {
     return picture;
 }
 
+/// The farther one of the nearest measured pixels to the left and right.
+void fill_rows(std::vector<double>& metres, std::size_t width) {
+    for (std::size_t row = 0; row < metres.size(); row += width) {
+        double before = kUnmeasured;
+        for (std::size_t x = 0; x < width;) {
+            std::size_t end = x;
+            while (end < width && metres[row + end] == kUnmeasured) ++end;
+            const double after = end < width ? metres[row + end] : kUnmeasured;
+            std::fill(metres.begin() + std::ptrdiff_t(row + x),
+                      metres.begin() + std::ptrdiff_t(row + end), std::max(before, after));
+            if (end < width) before = after;
+            x = end + 1;
+        }
+    }
+}
+
 }  // namespace
 
 Result<DepthPicture> depth_for_fog(const Image& values, const CameraFile& file) {
@@ -64,6 +81,7 @@ Result<DepthPicture> depth_for_fog(const Image& values, const CameraFile& file) 
 
     // Metres along the axis first; NaN and background are infinite.
     DepthPicture picture{file.camera, *std::move(one), 0, 0};
+    const DepthValues& depth_values = file.depth;
     const int width = picture.depth.width, height = picture.depth.height;
     const bool perspective = file.camera.projection == Camera::Projection::perspective;
     const bool inverse = file.depth.kind == DepthValues::Kind::inverse;
@@ -77,16 +95,21 @@ Result<DepthPicture> depth_for_fog(const Image& values, const CameraFile& file) 
             double& m = metres[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
                                static_cast<std::size_t>(x)];
             m = kInfinity;
-            if (std::isnan(value) || (!inverse && value == 0)) {
+            if (std::isnan(value) || (inverse ? std::isinf(value) : value == 0)) {
                 ++picture.unmeasured;
+                m = kUnmeasured;
                 continue;
             }
-            if (value < 0)
+            if (!(value + depth_values.offset >= 0))
                 return data_error(fmt::format(
-                    "pixel ({}, {}) is {}; depth is 0 or more, and infinite or NaN where nothing "
+                    "pixel ({}, {}) is {}{}; depth is 0 or more, and infinite or NaN where nothing "
                     "is",
-                    x, y, value));
-            m = inverse ? file.depth.scale / value : file.depth.scale * value;
+                    x, y, value,
+                    depth_values.offset == 0
+                        ? ""
+                        : fmt::format(" (and \"depth_offset\" {})", depth_values.offset)));
+            m = inverse ? depth_values.scale / (value + depth_values.offset)
+                        : depth_values.scale * (value + depth_values.offset);
             if (perspective && file.depth.measured == DepthValues::Measured::distance) {
                 const PixelRay ray = rays.at(x, y, 0.5);
                 m *= (ray.end - ray.origin).normalized().dot(axis);
@@ -98,6 +121,11 @@ Result<DepthPicture> depth_for_fog(const Image& values, const CameraFile& file) 
             }
             nearest = std::min(nearest, m);
         }
+
+    if (depth_values.unmeasured == DepthValues::Unmeasured::neighbours)
+        fill_rows(metres, static_cast<std::size_t>(width));
+    for (double& m : metres)
+        if (m == kUnmeasured) m = kInfinity;
 
     // Any near plane in front of everything will do. (near / z - near / far) / (1 - near / far)
     // keeps the digits of z, which a standard depth buffer loses far away.

@@ -282,10 +282,6 @@ Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fo
         impl->coloured = impl->coloured || channels_of(group) != kAllChannels;
     for (const FogTextures* fog : impl->fogs)
         impl->coloured = impl->coloured || fog->impl_->facts.channels != kAllChannels;
-    if (impl->coloured && method.kind == MethodKind::froxel)
-        return usage_error(
-            "method froxel fills one volume for all colours, and a fog has \"channels\"; use exact "
-            "or radial");
     for (const auto& group : groups) {
         const bool first = impl->models.empty();
         auto pass = ModelPass::create(gl, group, !impl->fogs.empty() || !first, impl->coloured,
@@ -297,7 +293,7 @@ Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fo
         std::vector<FroxelFog> maps;
         for (const FogTextures* fog : impl->fogs)
             maps.push_back({&fog->impl_->facts, fog->impl_->map.name()});
-        auto volume = FroxelVolume::create(gl, std::move(maps), method, fog_colour);
+        auto volume = FroxelVolume::create(gl, std::move(maps), method, fog_colour, impl->coloured);
         if (!volume) return tl::unexpected(volume.error());
         impl->froxels.emplace(std::move(*volume));
         return FogPass(std::move(impl));

@@ -10,6 +10,7 @@
 
 #include "program_inputs.h"
 #include "wavefog/gpu/pixel_rays.h"
+#include "wavefog/gpu/uniforms.h"
 
 namespace wavefog {
 
@@ -205,19 +206,21 @@ Texture make_volume(const Gl& gl, GLenum format, const int (&size)[3]) {
 }  // namespace
 
 FroxelVolume::FroxelVolume(const Gl& gl, std::vector<FroxelFog> fogs, const Method& method,
-                           const Eigen::Vector3d& fog_colour)
+                           const Eigen::Vector3d& fog_colour, bool coloured)
     : gl_(&gl),
       fogs_(std::move(fogs)),
       size_{method.froxels[0], method.froxels[1], method.froxels[2]},
-      fog_colour_(fog_colour) {}
+      fog_colour_(fog_colour),
+      coloured_(coloured) {}
 
 Result<FroxelVolume> FroxelVolume::create(const Gl& gl, std::vector<FroxelFog> fogs,
-                                          const Method& method, const Eigen::Vector3d& fog_colour) {
+                                          const Method& method, const Eigen::Vector3d& fog_colour,
+                                          bool coloured) {
     if (!has_compute(gl))
         return data_error(method.name() +
                           ": needs compute shaders (OpenGL 4.3), which this context lacks; use "
                           "exact or radial");
-    FroxelVolume volume(gl, std::move(fogs), method, fog_colour);
+    FroxelVolume volume(gl, std::move(fogs), method, fog_colour, coloured);
     if (auto made = volume.make_textures(); !made) return tl::unexpected(made.error());
     if (auto made = volume.make_programs(); !made) return tl::unexpected(made.error());
     volume.fog_uniforms_ =
@@ -229,8 +232,8 @@ Result<FroxelVolume> FroxelVolume::create(const Gl& gl, std::vector<FroxelFog> f
 }
 
 std::size_t FroxelVolume::bytes() const {
-    constexpr std::size_t kTexel = sizeof(float) + 4 * sizeof(std::uint16_t);
-    return kTexel * static_cast<std::size_t>(size_[0]) * static_cast<std::size_t>(size_[1]) *
+    const std::size_t texel = (coloured_ ? 4 : 1) * sizeof(float) + 4 * sizeof(std::uint16_t);
+    return texel * static_cast<std::size_t>(size_[0]) * static_cast<std::size_t>(size_[1]) *
            static_cast<std::size_t>(size_[2]);
 }
 
@@ -242,7 +245,7 @@ Result<void> FroxelVolume::make_textures() {
             fmt::format("froxel:{}x{}x{}: this context's volumes have at most {} texels a side; "
                         "use fewer froxels",
                         size_[0], size_[1], size_[2], largest));
-    extinction_ = make_volume(*gl_, GL_R32F, size_);
+    extinction_ = make_volume(*gl_, extinction_format(), size_);
     volume_ = make_volume(*gl_, GL_RGBA16F, size_);
     if (const GLenum error = gl_->GetError(); error != GL_NO_ERROR)
         return data_error(
@@ -258,16 +261,20 @@ Result<void> FroxelVolume::make_programs() {
             fmt::format("FOG_DEGREE {}", fog.facts->degree),
             fmt::format("FOG_PROFILE {}", profile_number(fog.facts->profile))};
         if (!density_.empty()) defines.push_back("FROXEL_ADD");
+        if (coloured_) defines.push_back("FROXEL_CHANNELS");
         auto program =
             connect(*gl_, build_compute_program(*gl_, "froxel_density.comp", defines), true);
         if (!program) return tl::unexpected(program.error());
         density_.push_back(std::move(*program));
     }
-    const auto apply = [&](const std::vector<std::string>& defines) {
+    const std::vector<std::string> channels =
+        coloured_ ? std::vector<std::string>{"FROXEL_CHANNELS"} : std::vector<std::string>{};
+    const auto apply = [&](std::vector<std::string> defines) {
+        defines.insert(defines.end(), channels.begin(), channels.end());
         return connect(
             *gl_, build_program(*gl_, "post_fullscreen.vert", "froxel_apply.frag", defines), false);
     };
-    auto integrate = connect(*gl_, build_compute_program(*gl_, "froxel_integrate.comp"), true);
+    auto integrate = connect(*gl_, build_compute_program(*gl_, "froxel_integrate.comp", channels), true);
     auto colour = apply({}), tau = apply({"FROXEL_OUTPUT_TAU"});
     for (auto* program : {&integrate, &colour, &tau})
         if (!*program) return tl::unexpected(program->error());
@@ -284,13 +291,16 @@ void FroxelVolume::build(const Camera& camera, double seconds) const {
     };
     const GLuint across = groups(size_[0]), up = groups(size_[1]);
     gl.BindImageTexture(kExtinctionImage, extinction_.name(), 0, GL_TRUE, 0, GL_READ_WRITE,
-                        GL_R32F);
+                        extinction_format());
     gl.BindImageTexture(kVolumeImage, volume_.name(), 0, GL_TRUE, 0, GL_WRITE_ONLY, GL_RGBA16F);
     for (std::size_t i = 0; i < fogs_.size(); ++i) {
         upload_uniforms(gl, fog_uniforms_, kFogBinding,
                         fog_block(*fogs_[i].facts, camera.eye, 1, seconds, sky_limit(camera)));
         bind_texture(gl, kMapUnit, GL_TEXTURE_2D, fogs_[i].map);
         gl.UseProgram(density_[i].name());
+        if (coloured_)
+            set_uniform(gl, density_[i].name(), "channels",
+                        Eigen::Vector3d(fogs_[i].facts->channels.data()));
         // Stores wait for the reads of the frame before and for the fog before.
         gl.MemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);
         gl.DispatchCompute(across, up, static_cast<GLuint>(size_[2]));
@@ -300,7 +310,7 @@ void FroxelVolume::build(const Camera& camera, double seconds) const {
     gl.DispatchCompute(across, up, 1);
     gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
     bind_texture(gl, kMapUnit, GL_TEXTURE_2D, 0);
-    gl.BindImageTexture(kExtinctionImage, 0, 0, GL_FALSE, 0, GL_READ_ONLY, GL_R32F);
+    gl.BindImageTexture(kExtinctionImage, 0, 0, GL_FALSE, 0, GL_READ_ONLY, extinction_format());
     gl.BindImageTexture(kVolumeImage, 0, 0, GL_FALSE, 0, GL_READ_ONLY, GL_RGBA16F);
 }
 

@@ -10,6 +10,7 @@ namespace wavefog::shader {
 using glm::abs;
 using glm::ceil;
 using glm::clamp;
+using glm::cross;
 using glm::dot;
 using glm::exp;
 using glm::floor;
@@ -77,8 +78,11 @@ inline vec4 texture(const sampler2D& s, vec2 p) {
 
 /// The shader's uniforms: one set a thread.
 inline thread_local FogBlock fog;
+inline thread_local ViewBlock view;
 inline thread_local ModelBlock models;
 inline thread_local sampler2D model_tables;
+inline thread_local sampler2D particle_tiles;
+inline thread_local sampler2D particle_list;
 inline thread_local sampler2D fog_cells;
 inline thread_local sampler2D fog_map;
 inline thread_local PaperBlock paper;

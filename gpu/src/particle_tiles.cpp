@@ -10,7 +10,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kListWidth = 2048;  // PARTICLE_LIST_WIDTH of fog_particles.glsl
 constexpr int kLeastTile = 16;    // pixels
 constexpr std::size_t kMostEntries = 1 << 22;  // 128 MiB of list
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -101,6 +100,29 @@ ParticleTiles make_particle_tiles(const std::vector<Particle>& particles, const 
     return made;
 }
 
+std::vector<float> particle_list(const std::vector<Particle>& particles,
+                                 const std::vector<int>& entries, const Vector3d& eye) {
+    const std::size_t a_row = kParticleListWidth / 2;
+    const std::size_t rows = (entries.size() + a_row - 1) / a_row;
+    std::vector<float> list(rows * kParticleListWidth * 4, 0.0f);
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+        const Particle& particle = particles[static_cast<std::size_t>(entries[i])];
+        const Vector3d from_eye = particle.position - eye;
+        // Eleven binary digits: with thirteen of a direction they make a float's 24.
+        const double step = std::exp2(std::ceil(std::log2(from_eye.cwiseAbs().maxCoeff())) - 11);
+        const Vector3d coarse =
+            step > 0 ? Vector3d((from_eye / step).array().round() * step) : Vector3d(0, 0, 0);
+        const Eigen::Vector3f high = coarse.cast<float>();
+        const Eigen::Vector3f low = (from_eye - coarse).cast<float>();
+        float* texels = list.data() + 8 * i;
+        std::copy_n(high.data(), 3, texels);
+        texels[3] = static_cast<float>(1 / particle.radius);
+        std::copy_n(low.data(), 3, texels + 4);
+        texels[7] = static_cast<float>(particle.opacity);
+    }
+    return list;
+}
+
 int ParticleTextures::upload(const Camera& camera, const CameraMatrices& matrices, int width,
                              int height) {
     const Gl& gl = *gl_;
@@ -111,17 +133,8 @@ int ParticleTextures::upload(const Camera& camera, const CameraMatrices& matrice
         table.push_back(static_cast<float>(made.first[i]));
         table.push_back(static_cast<float>(made.first[i + 1] - made.first[i]));
     }
-    const int a_row = kListWidth / 2;
-    const int rows = (static_cast<int>(made.entries.size()) + a_row - 1) / a_row;
-    std::vector<float> list(static_cast<std::size_t>(rows) * kListWidth * 4, 0.0f);
-    for (std::size_t i = 0; i < made.entries.size(); ++i) {
-        const Particle& particle = particles_[static_cast<std::size_t>(made.entries[i])];
-        const Eigen::Vector3f at = (particle.position - camera.eye).cast<float>();
-        float* texels = list.data() + 8 * i;
-        std::copy_n(at.data(), 3, texels);
-        texels[3] = static_cast<float>(1 / particle.radius);
-        texels[4] = static_cast<float>(particle.opacity);
-    }
+    const std::vector<float> list = particle_list(particles_, made.entries, camera.eye);
+    const int rows = static_cast<int>(list.size() / (4 * kParticleListWidth));
     if (made.across != across_ || made.up != up_) {
         across_ = made.across;
         up_ = made.up;
@@ -130,14 +143,15 @@ int ParticleTextures::upload(const Camera& camera, const CameraMatrices& matrice
     if (rows > rows_ || rows_ == 0) {
         // Room to grow, so that few frames allocate.
         rows_ = std::max(rows + rows / 2, 1);
-        list_ = make_texture_2d(gl, GL_RGBA32F, kListWidth, rows_, GL_RGBA, GL_FLOAT, nullptr);
+        list_ = make_texture_2d(gl, GL_RGBA32F, kParticleListWidth, rows_, GL_RGBA, GL_FLOAT, nullptr);
     }
     gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
     gl.BindTexture(GL_TEXTURE_2D, tiles_.name());
     gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, across_, up_, GL_RG, GL_FLOAT, table.data());
     if (rows > 0) {
         gl.BindTexture(GL_TEXTURE_2D, list_.name());
-        gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, kListWidth, rows, GL_RGBA, GL_FLOAT, list.data());
+        gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, kParticleListWidth, rows, GL_RGBA,
+                         GL_FLOAT, list.data());
     }
     gl.BindTexture(GL_TEXTURE_2D, 0);
     return made.side;

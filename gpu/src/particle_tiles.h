@@ -20,6 +20,12 @@ struct ParticleTiles {
 ParticleTiles make_particle_tiles(const std::vector<Particle>& particles, const Camera& camera,
                                   const CameraMatrices& matrices, int width, int height);
 
+/// The texture particle_list of these entries (indices of `particles`): rows of kParticleListWidth
+/// RGBA texels, two an entry.
+inline constexpr int kParticleListWidth = 2048;  // PARTICLE_LIST_WIDTH of fog_particles.glsl
+std::vector<float> particle_list(const std::vector<Particle>& particles,
+                                 const std::vector<int>& entries, const Eigen::Vector3d& eye);
+
 class ParticleTextures {
   public:
     explicit ParticleTextures(const Gl& gl) : gl_(&gl) {}

@@ -105,16 +105,17 @@ std::optional<Contact> ground_contact(const HeightField& field, const Vector3d& 
 
 }  // namespace
 
-Result<Obstacle> scene_obstacles(const Scene& scene) {
+Result<Obstacle> scene_obstacles(const std::optional<Terrain>& terrain,
+                                 const std::vector<MeshInstance>& meshes) {
     std::shared_ptr<const HeightField> field;
-    if (scene.terrain) {
-        auto loaded = HeightField::load(*scene.terrain);
+    if (terrain) {
+        auto loaded = HeightField::load(*terrain);
         if (!loaded) return tl::unexpected(loaded.error());
         field = std::make_shared<const HeightField>(std::move(*loaded));
     }
     std::map<std::filesystem::path, MeshData> files;
     std::vector<Triangle> triangles;
-    for (const MeshInstance& item : scene.meshes) {
+    for (const MeshInstance& item : meshes) {
         if (!files.contains(item.file)) {
             auto data = load_mesh(item.file);
             if (!data) return tl::unexpected(data.error());

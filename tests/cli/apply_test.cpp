@@ -78,6 +78,30 @@ TEST_CASE("apply: render's own colour and depth give render's picture") {
     }
 }
 
+TEST_CASE("apply: what changes in time is as in the scene: maps, and particles that meet its ground") {
+    const Workspace work;
+    write_scene(work);
+    work.write_floats("flat.exr", 32, 32, std::vector<float>(32 * 32, 0.5f));
+    std::string scene = work.read_text("scene.json");
+    const auto add = [&](const std::string& fog) {
+        scene.insert(scene.find("\"fog\": [") + 8, fog + ", ");
+        work.write_text("scene.json", scene);
+        render(work, ".exr");
+        require_ok(apply(work, ".exr"));
+        CHECK(largest_difference(read_picture(work.path("fogged.exr")),
+                                 read_picture(work.path("applied.exr"))) == 0);
+        return read_picture(work.path("fogged.exr"));
+    };
+    write_camera(work, R"("depth_values": "gl")");
+    const Picture particles = add(R"({"model": "particles", "source": "fog", "position": [0, 4, 0], "area": 15,
+        "rate": 30, "radius": [2, 4], "lift": -0.5, "drag": 0.2, "wind": [1, 0]})");
+    const Picture both = add(R"({"images": [{"time": 0, "image": "flat.exr"},
+        {"time": 4, "image": "map.png"}], "rect": [-32, -32, 32, 32], "extinction": 0.05})");
+    CHECK(largest_difference(particles, both) > 0.01);
+    require_ok(apply(work, ".exr", {"--method", "froxel:16x12x8"}));
+    CHECK(largest_difference(both, read_picture(work.path("applied.exr"))) < 0.2);
+}
+
 TEST_CASE("apply: the same depth in metres and inverse metres, by axis and by distance") {
     const Workspace work;
     write_scene(work);
@@ -166,8 +190,6 @@ TEST_CASE("apply: mistakes name file and key, and leave nothing") {
     refused("colour.exr", "depth.exr", "cam.json", {}, 2, "--fog");
     refused("colour.exr", "depth.exr", "cam.json", {"--fog", "scene.json", "--fog-color", "1,2"}, 2,
             "--fog-color");
-    refused("colour.exr", "depth.exr", "cam.json",
-            {"--fog", "scene.json", "--method", "froxel:4x4x4"}, 2, "channels");
     // Not measured at all: all background, with a warning.
     const RunResult result =
         work.run({"apply", "--fog", "scene.json", "--color", "colour.exr", "--depth", "nan.exr",

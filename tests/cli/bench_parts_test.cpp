@@ -327,7 +327,7 @@ TEST_CASE("bench scale: maps of any size, mirrored where they have too few pixel
 }
 
 TEST_CASE("bench scale: five cameras a scene, and the worst error of all in the table") {
-    BenchScene scene{"hill", {"a.png"}, {}};
+    BenchScene scene{"hill", {"a.png"}, {}, {}};
     scene.scene.camera.eye = {0, 10, 50};
     scene.scene.camera.target = {0, 5, 0};
     const auto all = scale_scenes({scene, scene});

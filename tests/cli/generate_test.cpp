@@ -263,7 +263,7 @@ TEST_CASE("generate: what makes no sense is refused, named, and leaves no file")
           {"--octaves", "17"}, {"--gain", "1.1"}, {"--gain", "nan"}, {"--lacunarity", "1"},
           {"--lacunarity", "9"}, {"--warp", "-1"}, {"--warp", "5"}, {"--coverage", "1.01"}})
         refused({"perlin", flag, value}, 2, flag);
-    refused({"perlin", "--height", "1"}, 2, "--rect, --height and --mean are about scenes");
+    refused({"perlin", "--height", "1"}, 2, "are about scenes and particles");
     refused({"scene.json", "--height", "1", "--seed", "3"}, 2, "about noise");
     refused({"scene.json"}, 2, "--height Y or --mean Y0,Y1");
     refused({"scene.json", "--height", "1", "--mean", "0,1"}, 2, "give one of them");

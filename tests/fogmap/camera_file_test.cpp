@@ -32,6 +32,11 @@ TEST_CASE("camera files say what depth means") {
     CHECK(metres->depth.kind == DepthValues::Kind::metres);
     CHECK(metres->depth.measured == DepthValues::Measured::distance);
     CHECK(metres->depth.scale == 65.535);
+    const auto pair = load(dir, R"(, "depth_values": "inverse", "measured": "axis",
+        "depth_scale": 192, "depth_offset": 31.086, "unmeasured": "neighbours")");
+    REQUIRE_MESSAGE(pair.has_value(), (pair ? "" : pair.error().message));
+    CHECK(pair->depth.offset == 31.086);
+    CHECK(pair->depth.unmeasured == DepthValues::Unmeasured::neighbours);
     const auto inverse = load(dir, R"(, "depth_values": "inverse", "measured": "axis")");
     REQUIRE_MESSAGE(inverse.has_value(), (inverse ? "" : inverse.error().message));
     CHECK(inverse->depth.kind == DepthValues::Kind::inverse);
@@ -47,6 +52,9 @@ TEST_CASE("camera files: mistakes name file and key") {
           {R"(, "depth_values": "gl", "measured": "axis")", "measured: belongs to depth in metres"},
           {R"(, "depth_values": "gl", "depth_scale": 2)", "depth_scale: belongs"},
           {R"(, "depth_values": "metres", "measured": "axis", "depth_scale": 0)", "depth_scale"},
+          {R"(, "depth_values": "gl", "depth_offset": 2)", "depth_offset: belongs"},
+          {R"(, "depth_values": "inverse", "measured": "axis", "unmeasured": "near")",
+           "unmeasured: is \"near\""},
           {R"(, "depth_values": "gl", "fov": 50)", "fov: unknown key"},
           {R"(, "depth_values": "gl", "near": 600)", "near is 600, far is 500"}}) {
         const auto bad = load(dir, more);

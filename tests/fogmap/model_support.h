@@ -100,7 +100,8 @@ inline std::vector<FogModel> random_models(Random& random,
             random_separable(random, offset, false),
             Separable{0.02,
                       {AxisTable{}, random_table(random, 40, y - 12, y + 15), AxisTable{}},
-                      Separable::Integral::exact}};
+                      Separable::Integral::exact},
+            random_separable(random, offset, true)};
 }
 
 inline std::string kind_name(const FogModel& model) {

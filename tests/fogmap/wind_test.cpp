@@ -90,6 +90,63 @@ TEST_CASE("wind: moving a model is looking from elsewhere, for every kind") {
     CHECK(std::get<Cosines>(all[7]).waves[0].phase == std::get<Cosines>(models[7]).waves[0].phase);
 }
 
+TEST_CASE("wind: 600 frames of every model, direct or step by step, from time 0 and from 1e6 s") {
+    Random random(229);
+    const auto models = random_models(random);
+    const auto segments = model_segments(random, 100);
+    Wind wind;
+    wind.keys = {{0, 1, 0}, {5, -2, 3}, {20, 0.5, 0.7}};
+    for (const double start : {0.0, 1e6})
+        for (const FogModel& model : models) {
+            FogModel stepped = models_at({model}, {wind}, start).front();
+            for (int frame = 1; frame <= 600; ++frame) {
+                const Vector2d step =
+                    wind.offset(start + frame / 24.0) - wind.offset(start + (frame - 1) / 24.0);
+                stepped = moved(stepped, ground(step));
+            }
+            const FogModel direct = models_at({model}, {wind}, start + 25).front();
+            // Stepping rounds a place 600 times: of less than 100 m to 1e-14 m, of 1e6 m to 1e-10 m
+            // (and each step, a difference of such places, to as much). Fog changes by less than 0.1/m
+            // a metre, on rays of up to 140 m.
+            const double rounding = start == 0 ? 1e-14 : 2e-10;
+            const Vector3d there =
+                std::holds_alternative<Potentials>(model) ? ground(wind.offset(start)) : Vector3d(0, 0, 0);
+            CAPTURE(kind_name(model));
+            CAPTURE(start);
+            for (const auto& [o, p] : segments)
+                CHECK_LE(std::abs(optical_depth(stepped, there + o, there + p) -
+                                  optical_depth(direct, there + o, there + p)),
+                         600 * rounding * 0.1 * 140);
+        }
+}
+
+TEST_CASE("wind: what repeats comes back after 1e6 s without a digit lost") {
+    Random random(233);
+    // 1e6 s at 7.25 m/s are 181250 periods of 40 m, or 0.6 of it 217500 periods of 20 m.
+    const Separable table{0.03,
+                          {random_table(random, 9, -17.3, 22.7, true), AxisTable{},
+                           random_table(random, 33, -11.7, 28.3, true)},
+                          Separable::Integral::exact};
+    Polynomials waves;
+    waves.terms.push_back({0.02, {0.8, -1, 0, 0, 0, 1}, {0.6, 0, -0.8}, {1.7, 0, 3.1}, 10,
+                           Polynomials::Outside::repeat});
+    for (const FogModel& model : {FogModel(table), FogModel(waves)})
+        for (const Vector3d& part : {Vector3d(0, 0, 0), Vector3d(12.5, 0, -6.25)}) {
+            const FogModel later = moved(model, Vector3d(7.25e6, 0, 0) + part);
+            const FogModel near = moved(model, part);
+            CAPTURE(kind_name(model));
+            double worst = 0;
+            for (const auto& [o, p] : model_segments(random, 200))
+                worst = std::max(worst,
+                                 std::abs(optical_depth(later, o, p) - optical_depth(near, o, p)));
+            // 7.25e6 m times 0.6 is rounded to 1e-9 m; a table's metres are exact.
+            CHECK_LE(worst, std::holds_alternative<Polynomials>(model) ? 2e-10 : 1e-13);
+        }
+    const Separable& moved_table = std::get<Separable>(moved(FogModel(table), {7.25e6, 0, 4e6}));
+    CHECK(moved_table.axes[0].begin == table.axes[0].begin);
+    CHECK(moved_table.axes[2].end == table.axes[2].end);
+}
+
 TEST_CASE("wind: whole periods of a repeated map change nothing, bit for bit") {
     Random random(223);
     Fog fog = random_fog(24, 16, {.degree = 1, .levels = 2, .boundary = Boundary::repeat}, random);

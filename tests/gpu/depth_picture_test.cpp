@@ -111,8 +111,8 @@ TEST_CASE("depth pictures: infinite and far is background, NaN and 0 metres are 
     const auto inverse =
         depth_for_fog(values, camera_file(Kind::inverse, DepthValues::Measured::axis));
     REQUIRE(inverse.has_value());
-    CHECK(inverse->background == 1);  // 0; infinite 1 / m is at the eye
-    CHECK(inverse->unmeasured == 1);
+    CHECK(inverse->background == 1);  // 0
+    CHECK(inverse->unmeasured == 2);  // infinite 1 / m too, as disparities are where none was found
     for (const bool reversed : {false, true}) {
         CameraFile file = camera_file(Kind::gl, DepthValues::Measured::axis);
         if (reversed) file.camera.depth = Camera::Depth::reversed;
@@ -130,6 +130,44 @@ TEST_CASE("depth pictures: infinite and far is background, NaN and 0 metres are 
                                      camera_file(Kind::metres, DepthValues::Measured::axis));
     REQUIRE(empty.has_value());
     CHECK(empty->depth.pixels[0] == 0);
+}
+
+TEST_CASE("depth pictures: a stereo pair's disparities, and what one eye does not see") {
+    using Kind = DepthValues::Kind;
+    // Metres 2 and 5 with holes between, before and behind, a row without any, one with sky.
+    CameraFile file = camera_file(Kind::inverse, DepthValues::Measured::axis, 60);
+    file.depth.offset = 10;
+    const float near = 60.0f / 2 - 10, far = 60.0f / 5 - 10, hole = kInfinity;
+    const Image values{5, 3, 1, {hole, near, hole, far, hole, hole, hole, hole, hole, hole,
+                                 near, hole, -10, hole, near}};
+    const auto metres_of = [&](const DepthPicture& picture, int x, int y) {
+        const PixelRays rays(picture.camera, 5, 3);
+        const PixelRay ray = rays.at(x, y, double(picture.depth.at(x, y, 0)));
+        if (ray.sky) return double(kInfinity);
+        return (ray.end - picture.camera.eye)
+            .dot((picture.camera.target - picture.camera.eye).normalized());
+    };
+    for (const bool fill : {false, true}) {
+        file.depth.unmeasured = fill ? DepthValues::Unmeasured::neighbours
+                                     : DepthValues::Unmeasured::background;
+        const auto picture = depth_for_fog(values, file);
+        REQUIRE_MESSAGE(picture.has_value(), (picture ? "" : picture.error().message));
+        CHECK(picture->unmeasured == 10);
+        CHECK(picture->background == 1);
+        const double wanted[] = {2, 2, 5, 5, 5};
+        for (int x = 0; x < 5; ++x) {
+            const double m = metres_of(*picture, x, 0);
+            if (fill || x % 2 == 1) CHECK(m == doctest::Approx(wanted[x]).epsilon(1e-6));
+            if (!fill && x % 2 == 0) CHECK(std::isinf(m));
+            CHECK(std::isinf(metres_of(*picture, x, 1)));
+        }
+        CHECK(metres_of(*picture, 0, 2) == doctest::Approx(2).epsilon(1e-6));
+        CHECK(std::isinf(metres_of(*picture, 1, 2)));  // the sky is the farther one
+        CHECK(std::isinf(metres_of(*picture, 2, 2)));
+    }
+    const auto low = depth_for_fog(Image{1, 1, 1, {-11}}, file);
+    REQUIRE_FALSE(low.has_value());
+    CHECK(low.error().message.find("pixel (0, 0) is -11 (and \"depth_offset\" 10)") == 0);
 }
 
 TEST_CASE("depth pictures: what cannot be is named with its pixel") {

@@ -34,7 +34,7 @@ class Noise {
     /// tiles have a whole number of features along both.
     static Result<Noise> create(const NoiseOptions& options, double aspect);
 
-    /// Mean about 0, mostly within -1 to 1 (GLM scales by eye); u and v in [0, 1] across and down the picture.
+    /// Within -1 to 1, mean about 0; u and v in [0, 1] across and down the picture.
     double operator()(double u, double v) const;
 
   private:

@@ -126,7 +126,13 @@ struct SceneFogs {
     std::vector<Wind> model_winds;
     std::vector<MapSequence> sequences;
     std::vector<ParticleSource> particles;
+    std::optional<Terrain> terrain;  ///< it and `meshes` are what the particles meet
+    std::vector<MeshInstance> meshes;
 };
+
+/// A source of particles from JSON text, with the keys that it has in a scene. Data errors name
+/// `place` and the key ("particles: rate is -1; ...").
+Result<ParticleSource> parse_particles(const std::string& json, const std::string& place);
 
 /// The fogs of a file that may be a scene, a fog file or an image (taken with make_fog's defaults
 /// and an extinction of 1/m). `notes` as for load_fog().

@@ -66,7 +66,7 @@ class FogPass {
     /// L = T L_scene + (1 - T) L_fog (paper 004, eq. 4) into `output` (RGBA16F or RGBA32F colour).
     void draw_colour(const FrameTarget& frame, const Camera& camera, GLuint output_framebuffer,
                      double seconds = 0);
-    /// Whether some fog is not seen by all colours alike (Channels). Not with method froxel.
+    /// Whether some fog is not seen by all colours alike (Channels).
     bool coloured() const;
 
     /// The sum of the fogs' optical depths into a R32F target, or if coloured() those of red, green
@@ -129,6 +129,17 @@ class ModelsOnCpu {
     explicit ModelsOnCpu(std::vector<FogModel> models);
     std::vector<FogModel> models_;
     std::shared_ptr<const ModelTables> tables_;
+};
+
+/// The same for particles.
+class ParticlesOnCpu {
+  public:
+    explicit ParticlesOnCpu(std::vector<Particle> particles);
+    double optical_depth(const Eigen::Vector3d& o, const Eigen::Vector3d& p) const;
+
+  private:
+    std::vector<Particle> particles_;
+    std::vector<int> all_;  ///< their indices
 };
 
 }  // namespace wavefog
