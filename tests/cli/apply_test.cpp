@@ -78,6 +78,24 @@ TEST_CASE("apply: render's own colour and depth give render's picture") {
     }
 }
 
+TEST_CASE("apply: fog in a reduced picture as render draws it; a picture has no vertices") {
+    const Workspace work;
+    write_scene(work);
+    write_camera(work, R"("depth_values": "gl")");
+    render(work, ".exr");
+    const std::vector<std::string> reduced = {"--method", "exact@12x8"};
+    require_ok(apply(work, ".exr", reduced));
+    const RunResult drawn = work.run({"render", "scene.json", "-o", "reduced.exr", "--time", "3",
+                                      "--method", "exact@12x8"});
+    require_ok(drawn);
+    const Picture applied = read_picture(work.path("applied.exr"));
+    CHECK(largest_difference(read_picture(work.path("reduced.exr")), applied) == 0);
+    CHECK(largest_difference(read_picture(work.path("fogged.exr")), applied) > 0);
+    const RunResult vertices = apply(work, ".exr", {"--method", "exact@vertices"});
+    CHECK(vertices.status == 2);
+    CHECK(vertices.err.find("no vertices") != std::string::npos);
+}
+
 TEST_CASE("apply: the same depth in metres and inverse metres, by axis and by distance") {
     const Workspace work;
     write_scene(work);
