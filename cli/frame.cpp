@@ -73,6 +73,7 @@ struct FrameDrawer::Impl {
     const Scene* scene;
     int supersample;
     std::unique_ptr<Context> context;
+    std::optional<SceneRenderer> renderer;  ///< none over surfaces from elsewhere
     FrameTarget target;
     std::vector<FogTextures> textures;
     std::optional<FogPass> pass;  ///< none with method reference
@@ -95,7 +96,7 @@ struct FrameDrawer::Impl {
         for (const FogTextures& made : textures) fogs.push_back(&made);
         Result<FogPass> made =
             FogPass::create(gl(), fogs, scene->method, scene->fog_colour, scene->models,
-                            particles.has_value());
+                            particles.has_value(), renderer ? &*renderer : nullptr);
         if (!made) return tl::unexpected(made.error());
         pass = *std::move(made);
         for (auto [to, internal_format, format] :
@@ -209,15 +210,16 @@ Result<FrameDrawer> FrameDrawer::create(const Scene& scene, const std::string& c
     impl->context = *std::move(context);
     const int width = scene.width * supersample, height = scene.height * supersample;
 
-    const Result<SceneRenderer> renderer = SceneRenderer::create(impl->gl(), scene);
+    Result<SceneRenderer> renderer = SceneRenderer::create(impl->gl(), scene);
     if (!renderer) return tl::unexpected(renderer.error());
+    impl->renderer = *std::move(renderer);
     impl->target = make_frame_target(impl->gl(), width, height);
     if (!impl->target.framebuffer)
         return usage_error(
             fmt::format("--size: this OpenGL cannot draw {}x{} pixels; use less, or "
                         "less --supersample",
                         width, height));
-    renderer->draw(impl->target, scene.camera);
+    impl->renderer->draw(impl->target, scene.camera);
     if (auto made = impl->make_fogs(); !made) return tl::unexpected(made.error());
     return FrameDrawer(std::move(impl));
 }

@@ -33,6 +33,15 @@ struct ProbeOptions {
     double time = 0;
 };
 
+/// parse_method() but for what is a matter of pixels.
+Result<Method> parse_ray_method(const std::string& text) {
+    Result<Method> method = parse_method(text);
+    if (method && !method->sampling.every_pixel())
+        return usage_error(fmt::format(
+            "method \"{}\": rays have no pixels and no vertices; leave out what follows the @", text));
+    return method;
+}
+
 /// A method's optical depth from O to P through one fog.
 using OpticalDepth = std::function<double(const Eigen::Vector3d&, const Eigen::Vector3d&)>;
 
@@ -179,7 +188,7 @@ Command add_probe(CLI::App& root) {
         ->required()
         ->type_name("OUT.csv");
     add_parsed(
-        *app, "--method", options->method, parse_method, "M",
+        *app, "--method", options->method, parse_ray_method, "M",
         "reference | exact | radial | paper | paper-scaling | march:N | homogeneous (reference)");
     add_parsed(
         *app, "--mu", options->mu,

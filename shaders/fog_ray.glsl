@@ -12,6 +12,8 @@
 #define FOG_EXPONENTIAL 2
 #define FOG_LINEAR 3
 
+#include "fog_opacity.glsl"
+
 #define FOG_FAR 1.0e30f
 
 // Profiles that change with height: the walk steps from one integer eta to the next.
@@ -58,10 +60,4 @@ vec2 fog_clip(FogRay ray) {
     range = fog_clip_axis(range, ray.eta, ray.rise, -FOG_FAR, 1.0f);
 #endif
     return range;
-}
-
-// 1 - exp(-tau) without cancellation for thin fog.
-float fog_opacity(float tau) {
-    return tau < 0.03f ? tau * (1.0f - tau * (0.5f - tau * ((1.0f / 6.0f) - tau * (1.0f / 24.0f))))
-                       : 1.0f - exp(-tau);
 }

@@ -173,6 +173,7 @@ FogBounds::FogBounds(const Fog& fog)
 double certified_bound(const std::vector<Fog>& fogs, const std::vector<FogBounds>& bounds,
                        const Method& method, const Camera& camera, int width, int height,
                        const RayLimits& limits) {
+    if (!method.sampling.every_pixel()) return 1;
     if (method.kind == MethodKind::radial && camera.projection == Camera::Projection::perspective) {
         // |dT| of a product of factors that are at most 1 is at most the sum of theirs.
         double sum = 0;

@@ -46,8 +46,8 @@ struct FogBounds {
 /// for dropped details, for radial's tables and for march's samples, and what float32 adds to first
 /// order: walks stop at T = 2^-21, and a place along a ray is off by four units in its last place,
 /// times the densest fog there is. 1, which holds always, for methods that may miss any fog:
-/// homogeneous, froxel, and the paper's tables of quadratic functions and by perimeter. `bounds`:
-/// one a fog.
+/// homogeneous, froxel, fog in fewer places than pixels, and the paper's tables of quadratic
+/// functions and by perimeter. `bounds`: one a fog.
 double certified_bound(const std::vector<Fog>& fogs, const std::vector<FogBounds>& bounds,
                        const Method& method, const Camera& camera, int width, int height,
                        const RayLimits& limits);

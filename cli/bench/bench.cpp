@@ -88,7 +88,9 @@ Result<Results> measure(const BenchOptions& options) {
         if (auto ok = check_input(file); !ok) return tl::unexpected(ok.error());
         Result<BenchScene> scene = load_bench_scene(file);
         if (!scene) return tl::unexpected(scene.error());
-        if (scene->scene.fogs.empty()) {
+        const bool formulas_will_do = options.plan.preset == Preset::resolution ||
+                                      options.plan.preset == Preset::models;
+        if (scene->scene.fogs.empty() && (!formulas_will_do || scene->scene.models.empty())) {
             results.skipped.push_back(file.string() + ": the scene has no wavelet fog to measure");
             continue;
         }
@@ -200,7 +202,8 @@ Command add_bench(CLI::App& root) {
         "(the first map of each scene at 64x64 to 4096x4096, mirrored where it is smaller, from "
         "five\n"
         "cameras), compression (.wfog files beside image codecs that are installed, on pictures),\n"
-        "motion (what maps that change and particles cost a frame; needs no scene).\n"
+        "motion (what maps that change and particles cost a frame; needs no scene), resolution (fog\n"
+        "in reduced pictures and at vertices), models (each scene's fogs beside constant fog).\n"
         "Charts need gnuplot.\n"
         "\n"
         "Example:\n"

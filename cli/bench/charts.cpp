@@ -8,6 +8,8 @@
 
 #include "bench/advantage.h"
 #include "bench/compression.h"
+#include "bench/models.h"
+#include "bench/resolution.h"
 
 namespace wavefog::cli {
 namespace {
@@ -134,6 +136,8 @@ Figure speed_figure(const std::vector<Row>& rows) {
 
 std::vector<Figure> figures_of(const Results& results) {
     if (results.preset() == "compression") return compression_figures(results.compression);
+    if (results.preset() == "resolution") return resolution_figures(results.rows);
+    if (results.preset() == "models") return {models_figure(results.rows)};
     std::vector<Figure> figures = results.figures;
     for (const std::vector<Row>& rows : groups_of(results.rows)) {
         const bool measured = std::any_of(rows.begin(), rows.end(),

@@ -40,6 +40,11 @@ std::string label(const Row& row) {
                        row.map_height, row.basis, row.levels, row.method, row.mu);
 }
 
+/// Formulas alone are drawn by every method: beside them `homogeneous` is a fog of its own.
+bool is_constant_fog(const Method& method, const Variant& variant) {
+    return method.kind == MethodKind::homogeneous && variant.fogs.empty();
+}
+
 }  // namespace
 
 Method homogeneous_method() {
@@ -51,6 +56,7 @@ Method homogeneous_method() {
 /// A scene drawn once: colour and depth that every method reads, and targets to draw into.
 struct Measurement::Stage {
     Size size, pilot_size;
+    std::optional<SceneRenderer> renderer;
     FrameTarget frame, pilot;     ///< pilot: 1/64 of the pixels, to see what a frame will cost
     Output fogged, pilot_fogged;  ///< RGBA16F, what is timed
     Output fine;                  ///< RGBA32F, what accuracy is measured on
@@ -61,15 +67,16 @@ struct Measurement::Stage {
         Stage stage;
         stage.size = size;
         stage.pilot_size = {std::max(size.width / 8, 1), std::max(size.height / 8, 1)};
-        const Result<SceneRenderer> renderer = SceneRenderer::create(gl, scene);
+        Result<SceneRenderer> renderer = SceneRenderer::create(gl, scene);
         if (!renderer) return tl::unexpected(renderer.error());
+        stage.renderer = *std::move(renderer);
         for (auto [target, target_size] :
              {std::pair{&stage.frame, &stage.size}, {&stage.pilot, &stage.pilot_size}}) {
             *target = make_frame_target(gl, target_size->width, target_size->height);
             if (!target->framebuffer)
                 return usage_error(fmt::format("--size: this OpenGL cannot draw {}x{}; use less",
                                                size.width, size.height));
-            renderer->draw(*target, scene.camera);
+            stage.renderer->draw(*target, scene.camera);
         }
         stage.scene_colour =
             read_texture(gl, stage.frame.colour.name(), size.width, size.height, 4);
@@ -171,7 +178,7 @@ Result<void> Measurement::run_group(const Group& group, double seconds, Results&
     std::vector<Contender> contenders;
     const auto enter = [&](const Case& one) {
         Row row = empty_row(group, one);
-        Result<FogPass> pass = make_pass(group, one.variant, one.method, textures[one.variant]);
+        Result<FogPass> pass = make_pass(group, one, *stage->renderer, textures[one.variant]);
         if (!pass) {
             results.skipped.push_back(label(row) + ": " + pass.error().message);
             return;
@@ -200,14 +207,17 @@ Result<void> Measurement::run_group(const Group& group, double seconds, Results&
         if (contender.wall_ms.size() > 0) {
             show_progress(label(contender.row));
             fill_times(contender, homogeneous_ms);
-            fill_accuracy(contender, *truths[contender.variant], *stage, scene);
+            if (!is_constant_fog(contender.method, group.variants[contender.variant]))
+                fill_accuracy(contender, *truths[contender.variant], *stage, scene);
             const std::vector<Fog>& fogs = group.variants[contender.variant].fogs;
             std::vector<FogBounds>& found = bounds[contender.variant];
             if (found.empty())
                 for (const Fog& fog : fogs) found.emplace_back(fog);
-            contender.row.bound_dT =
-                certified_bound(fogs, found, contender.method, scene.camera, group.size.width,
-                                group.size.height, stage->limits);
+            // Of maps; formulas alone have none.
+            if (!fogs.empty())
+                contender.row.bound_dT =
+                    certified_bound(fogs, found, contender.method, scene.camera, group.size.width,
+                                    group.size.height, stage->limits);
         }
         results.rows.push_back(std::move(contender.row));
     }
@@ -234,9 +244,10 @@ Row Measurement::empty_row(const Group& group, const Case& one) const {
     return row;
 }
 
-Result<FogPass> Measurement::make_pass(const Group& group, std::size_t index, const Method& method,
-                                       std::vector<FogTextures>& textures) const {
-    const Variant& variant = group.variants[index];
+Result<FogPass> Measurement::make_pass(const Group& group, const Case& one,
+                                       const SceneRenderer& renderer,
+                                       std::vector<FogTextures>& textures) {
+    const Variant& variant = group.variants[one.variant];
     // The passes of a variant keep pointers to its textures: made once, never moved.
     if (textures.empty()) {
         textures.reserve(variant.fogs.size());
@@ -252,9 +263,19 @@ Result<FogPass> Measurement::make_pass(const Group& group, std::size_t index, co
     std::vector<const FogTextures*> fogs;
     for (const FogTextures& made : textures) fogs.push_back(&made);
     const BenchScene& drawn = scenes_[group.scene];
+    if (is_constant_fog(one.method, variant)) {
+        if (!constant_fog_) {
+            const Result<Fog> fog = make_fog(Grid<float>::Ones(1, 1), {});
+            if (!fog) return tl::unexpected(fog.error());
+            Result<FogTextures> made = FogTextures::create(context_.gl(), *fog);
+            if (!made) return tl::unexpected(made.error());
+            constant_fog_ = *std::move(made);
+        }
+        return FogPass::create(context_.gl(), {&*constant_fog_}, one.method, drawn.scene.fog_colour);
+    }
     const bool with_particles = !drawn.particles.empty();
-    Result<FogPass> pass = FogPass::create(context_.gl(), fogs, method, drawn.scene.fog_colour,
-                                           drawn.scene.models, with_particles);
+    Result<FogPass> pass = FogPass::create(context_.gl(), fogs, one.method, drawn.scene.fog_colour,
+                                           drawn.scene.models, with_particles, &renderer);
     if (pass && with_particles)
         if (auto ok = pass->set_particles(drawn.particles); !ok) return tl::unexpected(ok.error());
     return pass;
@@ -276,8 +297,9 @@ void Measurement::estimate(std::vector<Contender>& contenders, const Stage& stag
         };
         double pilot = seconds_of(stage.pilot, stage.pilot_fogged);  // compiles
         if (pilot < kWarmUpSeconds) pilot = seconds_of(stage.pilot, stage.pilot_fogged);
-        // Froxels cost the same at any picture size, all others by the pixel.
-        const bool by_pixel = method_base(contender.row.method) != "froxel";
+        // Froxels and vertices cost the same at any picture size, all others by the pixel.
+        const bool by_pixel = contender.method.kind != MethodKind::froxel &&
+                              !contender.method.sampling.vertices;
         contender.estimate = by_pixel ? pilot * pixels / pilot_pixels : pilot;
         if (contender.estimate < kWarmUpSeconds)
             contender.estimate = seconds_of(stage.frame, stage.fogged);

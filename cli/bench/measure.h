@@ -25,7 +25,7 @@ struct Case {
 };
 
 /// Cases that share a scene, a camera and a picture size: their times compare. `homogeneous` is
-/// always among them.
+/// always among them: in a scene without maps as constant fog in place of the scene's own.
 struct Group {
     std::string name;
     std::size_t scene = 0;
@@ -64,8 +64,8 @@ class Measurement {
     Result<void> run_group(const Group& group, double seconds, Results& results);
     Result<const Truth*> truth(const Group& group, const Variant& variant, const Stage& stage);
     Row empty_row(const Group& group, const Case& one) const;
-    Result<FogPass> make_pass(const Group& group, std::size_t variant, const Method& method,
-                              std::vector<FogTextures>& textures) const;
+    Result<FogPass> make_pass(const Group& group, const Case& one, const SceneRenderer& renderer,
+                              std::vector<FogTextures>& textures);
     void estimate(std::vector<Contender>& contenders, const Stage& stage,
                   const Camera& camera) const;
     void plan_frames(std::vector<Contender>& contenders, double seconds, Results& results) const;
@@ -82,6 +82,7 @@ class Measurement {
     MeasureOptions options_;
     std::chrono::steady_clock::time_point start_;
     std::map<std::string, Truth> truths_;
+    std::optional<FogTextures> constant_fog_;  ///< `homogeneous` in scenes without maps
     double done_ = 0, group_share_ = 0;  ///< of the groups, for the progress line
 };
 

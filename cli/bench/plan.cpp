@@ -6,7 +6,9 @@
 #include <cmath>
 #include <sstream>
 
+#include "bench/models.h"
 #include "bench/paper_tables.h"
+#include "bench/resolution.h"
 #include "bench/scale.h"
 
 namespace wavefog::cli {
@@ -149,6 +151,12 @@ Result<std::vector<Group>> plan(const std::vector<BenchScene>& scenes, const Pla
                                   ? methods_named({"radial", "radial:step", "exact", "march:32"})
                                   : options.methods,
                               options.mus.empty() ? std::vector<double>{1, 0.95} : options.mus);
+        case Preset::resolution:
+            return plan_resolution(
+                scenes, options.size.value_or(Size{800, 600}),
+                options.methods.empty() ? methods_named({"exact"}) : options.methods);
+        case Preset::models:
+            return plan_models(scenes, options.size.value_or(Size{800, 600}));
         default:
             return plan_list(scenes, options, methods,
                              options.mus.empty() ? std::vector<double>{1} : options.mus);

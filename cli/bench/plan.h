@@ -9,9 +9,21 @@
 
 namespace wavefog::cli {
 
-enum class Preset { none, speed, chart, paper_tables, stability, scale, compression, motion };
+enum class Preset {
+    none,
+    speed,
+    chart,
+    paper_tables,
+    stability,
+    scale,
+    compression,
+    motion,
+    resolution,
+    models
+};
 inline const std::vector<std::string> preset_names = {
-    "none", "speed", "chart", "paper-tables", "stability", "scale", "compression", "motion"};
+    "none",  "speed",       "chart",  "paper-tables", "stability",
+    "scale", "compression", "motion", "resolution",   "models"};
 
 /// What the command line may set; empty: the preset's own choice.
 struct PlanOptions {

@@ -4,9 +4,11 @@
 
 #include "bench/advantage.h"
 #include "bench/compression.h"
+#include "bench/models.h"
 #include "bench/motion.h"
 #include "bench/paper_tables.h"
 #include "bench/ray_promise.h"
+#include "bench/resolution.h"
 #include "bench/scale.h"
 #include "bench/table_text.h"
 
@@ -46,6 +48,10 @@ std::string report_text(const Results& results, bool markdown) {
                ray_promise_text(results.ray_promise, markdown);
     else if (results.preset() == "motion")
         text = motion_text(results.motion, markdown);
+    else if (results.preset() == "resolution")
+        text = resolution_text(results.rows, markdown);
+    else if (results.preset() == "models")
+        text = models_text(results.rows, markdown);
     else if (results.preset() == "scale")
         text = (markdown ? "" : scale_table_text(results.rows, markdown) + "\n") +
                scale_summary_text(results.rows, markdown);

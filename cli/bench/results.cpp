@@ -221,7 +221,7 @@ std::string setting_name(const Row& row) {
 }
 
 std::string method_base(const std::string& method) {
-    return method.substr(0, method.find(':'));
+    return method.substr(0, method.find_first_of(":@"));
 }
 
 }  // namespace wavefog::cli

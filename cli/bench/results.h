@@ -102,7 +102,7 @@ std::vector<std::vector<Row>> groups_of(const std::vector<Row>& rows);
 /// The method with what else sets a row apart: "exact, μ 0.8", "radial, reused".
 std::string setting_name(const Row& row);
 
-/// "march" of "march:32".
+/// "march" of "march:32" and of "march:32@256x256".
 std::string method_base(const std::string& method);
 
 }  // namespace wavefog::cli

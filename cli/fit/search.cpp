@@ -77,6 +77,7 @@ Result<void> FitSearch::try_methods(double error) {
 
     Method own = scene_.method;
     if (own.kind == MethodKind::reference) own.kind = MethodKind::exact;
+    own.sampling = {};
     Result<FogPass> pass = make_pass(gl_, textures_.front(), own, scene_, scene_.models);
     if (!pass) return tl::unexpected(pass.error());
     const Result<Worst> worst = largest_error(gl_, *pass, tuning_);

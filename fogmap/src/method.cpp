@@ -19,6 +19,7 @@ constexpr const char* kMethods =
     "reference, exact, radial[:AZIMUTHSxROWS][:step], paper[:N[:perimeter]], "
     "paper-scaling[:N[:perimeter]], march:N, "
     "froxel:XxYxZ, homogeneous";
+constexpr int kLargestSampling = 16384;  // as a picture's sides
 
 std::vector<std::string_view> split(std::string_view text, char at) {
     std::vector<std::string_view> parts;
@@ -63,9 +64,49 @@ bool parse_sizes(std::string_view text, int low, int high, int (&values)[N]) {
     return true;
 }
 
+// "256x256", "256x256:average", "vertices"; empty if it is none of these.
+std::optional<FogSampling> sampling_of(std::string_view text) {
+    FogSampling sampling;
+    sampling.vertices = text == "vertices";
+    if (sampling.vertices) return sampling;
+    const auto parts = split(text, ':');
+    int sides[2] = {0, 0};
+    if (parts.size() > 2 || !parse_sizes(parts[0], 1, kLargestSampling, sides)) return std::nullopt;
+    sampling.width = sides[0];
+    sampling.height = sides[1];
+    if (parts.size() == 1) return sampling;
+    if (parts[1] != "average") return std::nullopt;
+    sampling.upsample = FogSampling::Upsample::average;
+    return sampling;
+}
+
+// A method with what follows its "@".
+Result<Method> with_sampling(Method method, std::string_view sampling, const std::string& text) {
+    const auto read = sampling_of(sampling);
+    if (!read)
+        return usage_error(fmt::format(
+            "method \"{}\": after the @ give a size from 1x1 to {}x{}, with :average or without, or "
+            "vertices; for example exact@256x256",
+            text, kLargestSampling, kLargestSampling));
+    method.sampling = *read;
+    if (auto ok = check_sampling(method); !ok) return tl::unexpected(ok.error());
+    return method;
+}
+
 }  // namespace
 
+std::string FogSampling::name() const {
+    if (vertices) return "vertices";
+    if (width == 0) return "";
+    return fmt::format("{}x{}{}", width, height, upsample == Upsample::average ? ":average" : "");
+}
+
 std::string Method::name() const {
+    if (!sampling.every_pixel()) {
+        Method everywhere = *this;
+        everywhere.sampling = {};
+        return everywhere.name() + "@" + sampling.name();
+    }
     const auto with_table = [&](std::string base) {
         if (table > 0) base += fmt::format(":{}", table);
         if (table > 0 && layout == PathLayout::perimeter) base += ":perimeter";
@@ -95,6 +136,11 @@ std::string Method::name() const {
 }
 
 Result<Method> parse_method(const std::string& text) {
+    if (const auto at = text.find('@'); at != std::string::npos) {
+        const Result<Method> method = parse_method(text.substr(0, at));
+        if (!method) return method;
+        return with_sampling(*method, std::string_view(text).substr(at + 1), text);
+    }
     Method method;
     const auto parts = split(text, ':');
     const auto& name = parts.front();
@@ -138,9 +184,28 @@ Result<Method> parse_method(const std::string& text) {
         method.kind = MethodKind::homogeneous;
     } else {
         return usage_error(
-            fmt::format("method \"{}\" does not exist; choose one of: {}", text, kMethods));
+            fmt::format("method \"{}\" does not exist; choose one of: {}; and @WxH, @WxH:average or "
+                        "@vertices behind it",
+                        text, kMethods));
     }
     return method;
+}
+
+Result<void> check_sampling(const Method& method) {
+    if (method.sampling.every_pixel()) return {};
+    const auto refuse = [&](const char* why) -> Result<void> {
+        return usage_error(fmt::format("method \"{}\": {}", method.name(), why));
+    };
+    if (method.kind == MethodKind::reference)
+        return refuse("the reference integrates every pixel; leave out what follows the @");
+    if (method.kind == MethodKind::froxel)
+        return refuse(
+            "froxels are a reduced resolution of their own; leave out what follows the @");
+    if (method.kind == MethodKind::radial && method.sampling.vertices)
+        return refuse(
+            "the table of radial ends at the picture's sides, and vertices lie beyond; use "
+            "exact@vertices, or a reduced picture such as radial@256x256");
+    return {};
 }
 
 }  // namespace wavefog

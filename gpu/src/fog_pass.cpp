@@ -12,6 +12,7 @@
 #include "paper_data.h"
 #include "program_inputs.h"
 #include "radial_tables.h"
+#include "sampled_fog.h"
 #include "wavefog/gpu/pixel_rays.h"
 
 namespace wavefog {
@@ -114,6 +115,7 @@ struct FogPass::Impl {
     struct Programs {
         std::vector<Program> add_tau;
         Program last_colour;
+        std::vector<VertexPrograms> at_vertices;  ///< one a fog if the method samples vertices
     };
     Programs programs;
     Programs orthographic;                ///< method radial: exact, where rays do not share the eye
@@ -123,8 +125,10 @@ struct FogPass::Impl {
     std::vector<ModelPass> models;        ///< draw last; one for each set of channels
     bool with_particles = false;          ///< in the first of them
     bool coloured = false;
+    std::optional<SampledFog> sampled;      ///< unless every pixel has its own fog
+    const SceneRenderer* vertices = nullptr;  ///< of the scene, where fog is computed at them
     Buffer fog_uniforms, view_uniforms, paper_uniforms, radial_uniforms;
-    VertexArray vertices;
+    VertexArray no_attributes;
     Target partial[2];  ///< optical depth of the fogs drawn so far, in turns
     int width = 0, height = 0;
 
@@ -143,7 +147,7 @@ struct FogPass::Impl {
         return {};
     }
 
-    Result<Program> build(const Method& with, std::size_t fog, bool colour) const {
+    std::vector<std::string> defines_of(const Method& with, std::size_t fog) const {
         std::vector<std::string> defines = {
             fmt::format("FOG_METHOD {}", method_number(with, !fogs.empty()))};
         int degree = 0, profile = 0;
@@ -160,8 +164,14 @@ struct FogPass::Impl {
         defines.push_back(fmt::format("FOG_DEGREE {}", degree));
         defines.push_back(fmt::format("FOG_PROFILE {}", profile));
         if (coloured) defines.push_back("FOG_CHANNELS");
-        if (!colour) defines.push_back("FOG_OUTPUT_TAU");
         if (fog > 0) defines.push_back("FOG_PREVIOUS_TAU");
+        return defines;
+    }
+
+    Result<Program> build(const Method& with, std::size_t fog, bool colour) const {
+        std::vector<std::string> defines = defines_of(with, fog);
+        if (!colour) defines.push_back("FOG_OUTPUT_TAU");
+        if (vertices) defines.push_back("FOG_SKY_ONLY");
         auto program = build_program(gl, "post_fullscreen.vert", "fog_pass.frag", defines);
         if (program) connect_inputs(gl, *program, kSamplers, kBlocks);
         return program;
@@ -174,6 +184,10 @@ struct FogPass::Impl {
             auto program = build(with, i, false);
             if (!program) return tl::unexpected(program.error());
             made.add_tau.push_back(std::move(*program));
+            if (!vertices) continue;
+            auto both = build_vertex_programs(gl, defines_of(with, i), kSamplers, kBlocks);
+            if (!both) return tl::unexpected(both.error());
+            made.at_vertices.push_back(std::move(*both));
         }
         auto colour = build(with, count - 1, true);
         if (!colour) return tl::unexpected(colour.error());
@@ -193,20 +207,31 @@ struct FogPass::Impl {
         for (auto& target : partial) {
             target.texture = make_texture_2d(gl, coloured ? GL_RGBA32F : GL_R32F, w, h,
                                              coloured ? GL_RGBA : GL_RED, GL_FLOAT, nullptr);
-            if (auto framebuffer = make_framebuffer(gl, target.texture.name()))
+            if (auto framebuffer = make_framebuffer(gl, target.texture.name(), vertex_depth()))
                 target.framebuffer = std::move(*framebuffer);
         }
     }
 
+    GLuint vertex_depth() const { return sampled ? sampled->depth() : 0; }
+
     void draw(const FrameTarget& frame, const Camera& camera, GLuint output, double seconds,
               bool colour) {
+        if (!sampled || !sampled->applies(frame.width, frame.height))
+            return draw_all(frame, camera, output, seconds, colour);
+        const FrameTarget& reduced = sampled->begin(frame, camera);
+        draw_all(reduced, sampled->view({camera, frame.width, frame.height}).camera,
+                 sampled->target(), seconds, false);
+        sampled->finish(frame, camera, output, colour);
+    }
+
+    void draw_all(const FrameTarget& frame, const Camera& camera, GLuint output, double seconds,
+                  bool colour) {
         if (models.empty()) return draw_maps(frame, camera, output, seconds, colour);
-        if (!fogs.empty())
-            draw_maps(frame, camera, models.front().maps_target(frame), seconds, false);
+        const auto before = [&](ModelPass& pass) { return pass.maps_target(frame, vertex_depth()); };
+        if (!fogs.empty()) draw_maps(frame, camera, before(models.front()), seconds, false);
         for (std::size_t i = 0; i < models.size(); ++i) {
             const bool last = i + 1 == models.size();
-            models[i].draw(frame, camera, last ? output : models[i + 1].maps_target(frame),
-                           last && colour);
+            models[i].draw(frame, camera, last ? output : before(models[i + 1]), last && colour);
         }
     }
 
@@ -223,7 +248,7 @@ struct FogPass::Impl {
         gl.Viewport(0, 0, frame.width, frame.height);
         gl.Disable(GL_DEPTH_TEST);
         gl.Disable(GL_BLEND);
-        gl.BindVertexArray(vertices.name());
+        gl.BindVertexArray(no_attributes.name());
         bind_texture(2, frame.depth.name());
         bind_texture(3, frame.colour.name());
         for (std::size_t i = 0; i < count; ++i) {
@@ -255,6 +280,12 @@ struct FogPass::Impl {
             }
             if (i > 0) bind_texture(4, partial[(i - 1) % 2].texture.name());
             gl.DrawArrays(GL_TRIANGLES, 0, 3);
+            if (vertices) {
+                const VertexPrograms& at = used.at_vertices[i];
+                vertices->draw_vertices(camera, frame.width, frame.height, at.terrain.name(),
+                                        at.meshes.name());
+                gl.BindVertexArray(no_attributes.name());
+            }
         }
         for (GLint unit = kUnits - 1; unit >= 0; --unit) bind_texture(unit, 0);
         gl.BindVertexArray(0);
@@ -269,7 +300,8 @@ FogPass::~FogPass() = default;
 
 Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fogs,
                                 const Method& method, const Eigen::Vector3d& fog_colour,
-                                std::vector<FogModel> models, bool with_particles) {
+                                std::vector<FogModel> models, bool with_particles,
+                                const SceneRenderer* scene) {
     if (method.kind == MethodKind::reference)
         return usage_error(
             "method reference runs on the CPU (class Reference); the fog pass draws "
@@ -282,10 +314,29 @@ Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fo
         impl->coloured = impl->coloured || channels_of(group) != kAllChannels;
     for (const FogTextures* fog : impl->fogs)
         impl->coloured = impl->coloured || fog->impl_->facts.channels != kAllChannels;
+    if (auto ok = check_sampling(method); !ok) return tl::unexpected(ok.error());
+    if (method.sampling.vertices) {
+        if (with_particles)
+            return usage_error(fmt::format(
+                "method {}: particles are listed by pixels of the screen; use a reduced picture such "
+                "as exact@256x256",
+                method.name()));
+        if (!scene)
+            return usage_error(fmt::format(
+                "method {}: there are no vertices, only a picture; use a reduced one such as "
+                "exact@256x256",
+                method.name()));
+        impl->vertices = scene;
+    }
+    if (!method.sampling.every_pixel()) {
+        auto sampled = SampledFog::create(gl, method.sampling, impl->coloured, fog_colour);
+        if (!sampled) return tl::unexpected(sampled.error());
+        impl->sampled.emplace(std::move(*sampled));
+    }
     for (const auto& group : groups) {
         const bool first = impl->models.empty();
         auto pass = ModelPass::create(gl, group, !impl->fogs.empty() || !first, impl->coloured,
-                                      fog_colour, with_particles && first);
+                                      fog_colour, with_particles && first, impl->vertices);
         if (!pass) return tl::unexpected(pass.error());
         impl->models.push_back(std::move(*pass));
     }
@@ -325,7 +376,7 @@ Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fo
         make_buffer(gl, GL_UNIFORM_BUFFER, sizeof(shader::PaperBlock), nullptr, GL_DYNAMIC_DRAW);
     impl->radial_uniforms =
         make_buffer(gl, GL_UNIFORM_BUFFER, sizeof(shader::RadialBlock), nullptr, GL_DYNAMIC_DRAW);
-    impl->vertices = make_vertex_array(gl);
+    impl->no_attributes = make_vertex_array(gl);
     return FogPass(std::move(impl));
 }
 
@@ -333,6 +384,7 @@ std::size_t FogPass::bytes() const {
     std::size_t sum = impl_->froxels ? impl_->froxels->bytes() : 0;
     for (const auto& textures : impl_->paper) sum += textures.bytes;
     if (impl_->radial) sum += impl_->radial->bytes();
+    if (impl_->sampled) sum += impl_->sampled->bytes();
     for (const FogTextures* fog : impl_->fogs) {
         const auto& facts = fog->impl_->facts;
         const std::size_t map = sizeof(float) * static_cast<std::size_t>(facts.width) *
@@ -346,7 +398,11 @@ std::size_t FogPass::bytes() const {
 }
 
 Result<void> FogPass::set_views(const std::vector<FogView>& views) {
-    return impl_->radial ? impl_->radial->set_views(views) : Result<void>{};
+    if (!impl_->radial) return {};
+    std::vector<FogView> drawn = views;
+    if (impl_->sampled)
+        for (FogView& view : drawn) view = impl_->sampled->view(view);
+    return impl_->radial->set_views(drawn);
 }
 
 Result<void> FogPass::set_models(std::vector<FogModel> models) {

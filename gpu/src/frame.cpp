@@ -38,7 +38,7 @@ CameraMatrices camera_matrices(const Camera& camera, int width, int height) {
 
     Eigen::Matrix4d& p = matrices.projection;
     p.setZero();
-    const double aspect = double(width) / height;
+    const double aspect = double(width) / height * camera.pixel_aspect;
     const double n = camera.near_plane, f = camera.far_plane;
     if (camera.projection == Camera::Projection::perspective) {
         const double half_height = std::tan(camera.fov_y_deg * std::numbers::pi / 360);

@@ -15,14 +15,19 @@ constexpr UnitOf kSamplers[] = {{"scene_depth", 0}, {"scene_colour", 1}, {"previ
                                  {"particle_list", 5}};
 constexpr BindingOf kBlocks[] = {{"ModelBlock", kModelBinding}, {"ViewBlock", kViewBinding}};
 
-Result<Program> make_program(const Gl& gl, bool after_maps, bool coloured, bool particles,
-                             bool colour) {
-    // FOG_METHOD_MODELS of fog_pass.frag.
+std::vector<std::string> defines_of(bool after_maps, bool coloured, bool particles) {
+    // FOG_METHOD_MODELS of fog_optical_depth.glsl.
     std::vector<std::string> defines = {"FOG_METHOD 6", "FOG_DEGREE 0", "FOG_PROFILE 0"};
-    if (!colour) defines.push_back("FOG_OUTPUT_TAU");
     if (particles) defines.push_back("FOG_PARTICLES");
     if (coloured) defines.push_back("FOG_CHANNELS");
     if (after_maps) defines.push_back("FOG_PREVIOUS_TAU");
+    return defines;
+}
+
+Result<Program> make_program(const Gl& gl, std::vector<std::string> defines, bool sky_only,
+                             bool colour) {
+    if (!colour) defines.push_back("FOG_OUTPUT_TAU");
+    if (sky_only) defines.push_back("FOG_SKY_ONLY");
     auto program = build_program(gl, "post_fullscreen.vert", "fog_pass.frag", defines);
     if (program) connect_inputs(gl, *program, kSamplers, kBlocks);
     return program;
@@ -40,16 +45,23 @@ ModelPass::ModelPass(const Gl& gl, bool after_maps, bool coloured,
           make_buffer(gl, GL_UNIFORM_BUFFER, sizeof(shader::ModelBlock), nullptr, GL_DYNAMIC_DRAW)),
       view_uniforms_(
           make_buffer(gl, GL_UNIFORM_BUFFER, sizeof(shader::ViewBlock), nullptr, GL_DYNAMIC_DRAW)),
-      vertices_(make_vertex_array(gl)) {}
+      no_attributes_(make_vertex_array(gl)) {}
 
 Result<ModelPass> ModelPass::create(const Gl& gl, std::vector<FogModel> models, bool after_maps,
                                     bool coloured, const Eigen::Vector3d& fog_colour,
-                                    bool with_particles) {
+                                    bool with_particles, const SceneRenderer* vertices) {
     ModelPass pass(gl, after_maps, coloured, fog_colour);
+    pass.vertices_ = vertices;
     if (auto ok = pass.set_models(std::move(models)); !ok) return tl::unexpected(ok.error());
     if (with_particles) pass.particles_.emplace(gl);
+    const auto defines = defines_of(after_maps, coloured, with_particles);
+    if (vertices) {
+        auto made = build_vertex_programs(gl, defines, kSamplers, kBlocks);
+        if (!made) return tl::unexpected(made.error());
+        pass.at_vertices_ = *std::move(made);
+    }
     for (auto [program, colour] : {std::pair{&pass.colour_, true}, {&pass.optical_depth_, false}}) {
-        auto made = make_program(gl, after_maps, coloured, with_particles, colour);
+        auto made = make_program(gl, defines, vertices != nullptr, colour);
         if (!made) return tl::unexpected(made.error());
         *program = *std::move(made);
     }
@@ -72,13 +84,13 @@ Result<void> ModelPass::set_particles(std::vector<Particle> particles) {
     return {};
 }
 
-GLuint ModelPass::maps_target(const FrameTarget& frame) {
+GLuint ModelPass::maps_target(const FrameTarget& frame, GLuint depth) {
     if (frame.width != width_ || frame.height != height_) {
         width_ = frame.width;
         height_ = frame.height;
         maps_ = make_texture_2d(*gl_, coloured_ ? GL_RGBA32F : GL_R32F, width_, height_,
                                 coloured_ ? GL_RGBA : GL_RED, GL_FLOAT, nullptr);
-        if (auto framebuffer = make_framebuffer(*gl_, maps_.name()))
+        if (auto framebuffer = make_framebuffer(*gl_, maps_.name(), depth))
             maps_framebuffer_ = *std::move(framebuffer);
     }
     return maps_framebuffer_.name();
@@ -103,7 +115,7 @@ void ModelPass::draw(const FrameTarget& frame, const Camera& camera, GLuint outp
     gl.Viewport(0, 0, frame.width, frame.height);
     gl.Disable(GL_DEPTH_TEST);
     gl.Disable(GL_BLEND);
-    gl.BindVertexArray(vertices_.name());
+    gl.BindVertexArray(no_attributes_.name());
     gl.UseProgram(colour ? colour_.name() : optical_depth_.name());
     const auto bind_texture = [&](GLuint unit, GLuint texture) {
         gl.ActiveTexture(GL_TEXTURE0 + unit);
@@ -118,6 +130,9 @@ void ModelPass::draw(const FrameTarget& frame, const Camera& camera, GLuint outp
     bind_texture(1, frame.colour.name());
     bind_texture(0, frame.depth.name());
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
+    if (vertices_)
+        vertices_->draw_vertices(camera, frame.width, frame.height, at_vertices_.terrain.name(),
+                                 at_vertices_.meshes.name());
     for (const GLuint unit : {5u, 4u, 3u, 2u, 1u, 0u}) bind_texture(unit, 0);
     gl.BindVertexArray(0);
     gl.UseProgram(0);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "particle_tiles.h"
+#include "sampled_fog.h"
 #include "wavefog/fogmap/models.h"
 #include "wavefog/fogmap/scene.h"
 #include "wavefog/gpu/frame.h"
@@ -22,18 +23,19 @@ class ModelPass {
   public:
     /// A data error says which model is invalid, or what there is too much of. `after_maps`: a
     /// previous optical depth is added. `coloured`: depths of red, green and blue, of which these
-    /// models have their channels.
+    /// models have their channels. `vertices`: computed at those of the scene, else null.
     static Result<ModelPass> create(const Gl& gl, std::vector<FogModel> models, bool after_maps,
                                     bool coloured, const Eigen::Vector3d& fog_colour,
-                                    bool with_particles);
+                                    bool with_particles, const SceneRenderer* vertices);
 
     /// A data error as from create().
     Result<void> set_models(std::vector<FogModel> models);
     /// A usage error if the pass was made without.
     Result<void> set_particles(std::vector<Particle> particles);
 
-    /// The target for the maps' optical depth (R32F, coloured RGBA32F), of the frame's size.
-    GLuint maps_target(const FrameTarget& frame);
+    /// The target for the maps' optical depth (R32F, coloured RGBA32F), of the frame's size, with a
+    /// depth texture or 0.
+    GLuint maps_target(const FrameTarget& frame, GLuint depth);
 
     /// Draws colour or optical depth; what maps_target() holds is added if there are maps.
     void draw(const FrameTarget& frame, const Camera& camera, GLuint output, bool colour);
@@ -46,9 +48,11 @@ class ModelPass {
     std::optional<ParticleTextures> particles_;
     bool after_maps_, coloured_;
     Eigen::Vector3d fog_colour_;
+    const SceneRenderer* vertices_ = nullptr;
     Program colour_, optical_depth_;
+    VertexPrograms at_vertices_;
     Buffer model_uniforms_, view_uniforms_;
-    VertexArray vertices_;
+    VertexArray no_attributes_;
     Texture tables_;
     Texture maps_;
     Framebuffer maps_framebuffer_;

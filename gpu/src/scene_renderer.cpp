@@ -1,4 +1,6 @@
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <map>
@@ -10,6 +12,7 @@
 #include "sun_shadow.h"
 #include "terrain_mesh.h"
 #include "wavefog/gpu/frame.h"
+#include "wavefog/gpu/pixel_rays.h"
 #include "wavefog/gpu/uniforms.h"
 
 namespace wavefog {
@@ -24,12 +27,27 @@ struct TerrainOnGpu {
     Buffer vertices, indices;
     GLsizei count = 0;
     Vector3d origin;
+    double longest_edge = 0;  ///< of a triangle, metres
 };
+
+/// The longest side of the triangles.
+template <class Vertex>
+double longest_edge(const std::vector<Vertex>& vertices, const std::vector<std::uint32_t>& indices) {
+    const auto at = [&](std::size_t i) {
+        return Eigen::Map<const Eigen::Vector3f>(vertices[indices[i]].position);
+    };
+    float square = 0;
+    for (std::size_t i = 0; i + 2 < indices.size(); i += 3)
+        for (std::size_t k = 0; k < 3; ++k)
+            square = std::max(square, (at(i + k) - at(i + (k + 1) % 3)).squaredNorm());
+    return std::sqrt(double(square));
+}
 
 TerrainOnGpu upload(const Gl& gl, const TerrainMesh& mesh) {
     TerrainOnGpu terrain;
     terrain.origin = mesh.origin;
     terrain.count = GLsizei(mesh.indices.size());
+    terrain.longest_edge = longest_edge(mesh.vertices, mesh.indices);
     terrain.array = make_vertex_array(gl);
     gl.BindVertexArray(terrain.array.name());
     terrain.vertices =
@@ -46,10 +64,25 @@ TerrainOnGpu upload(const Gl& gl, const TerrainMesh& mesh) {
     return terrain;
 }
 
+/// Planes around the view volume but for its far one: unit normals inwards, metres from the eye.
+std::array<Eigen::Vector4f, 5> view_sides(const CameraMatrices& matrices, const Camera& camera) {
+    const Matrix4d clip = clip_from_eye(matrices);
+    const bool reversed = camera.depth == Camera::Depth::reversed;
+    const Eigen::RowVector4d planes[] = {
+        clip.row(3) + clip.row(0), clip.row(3) - clip.row(0), clip.row(3) + clip.row(1),
+        clip.row(3) - clip.row(1),
+        reversed ? Eigen::RowVector4d(clip.row(3) - clip.row(2)) : Eigen::RowVector4d(clip.row(2))};
+    std::array<Eigen::Vector4f, 5> sides;
+    for (std::size_t i = 0; i < sides.size(); ++i)
+        sides[i] = (planes[i] / planes[i].head<3>().norm()).transpose().cast<float>();
+    return sides;
+}
+
 MeshOnGpu upload(const Gl& gl, const MeshData& mesh, const std::vector<InstanceData>& instances) {
     MeshOnGpu group;
     group.count = GLsizei(mesh.indices.size());
     group.instance_count = GLsizei(instances.size());
+    group.longest_edge = longest_edge(mesh.vertices, mesh.indices);
     group.array = make_vertex_array(gl);
     gl.BindVertexArray(group.array.name());
     group.vertices = make_buffer(gl, GL_ARRAY_BUFFER, mesh.vertices.size() * sizeof(MeshVertex),
@@ -89,6 +122,8 @@ struct SceneRenderer::Impl {
     Result<void> load_meshes(const Scene& scene, const HeightField* field, const TerrainMesh* mesh);
     void set_light(GLuint program, const Vector3d& eye) const;
     void draw_sky(const FrameTarget& target, const Camera& camera) const;
+    void draw_terrain(GLuint program, const CameraMatrices& matrices, const Vector3d& eye) const;
+    void draw_meshes(GLuint program, const CameraMatrices& matrices, const Vector3d& eye) const;
 };
 
 Result<void> SceneRenderer::Impl::load(const Scene& scene) {
@@ -204,6 +239,26 @@ void SceneRenderer::Impl::draw_sky(const FrameTarget& target, const Camera& came
     gl->Enable(GL_DEPTH_TEST);
 }
 
+// clip_from_eye() is the view's turn alone: the eye is subtracted from each object's origin in double.
+void SceneRenderer::Impl::draw_terrain(GLuint program, const CameraMatrices& matrices,
+                                       const Vector3d& eye) const {
+    set_uniform(*gl, program, "clip_from_eye", clip_from_eye(matrices));
+    set_uniform(*gl, program, "origin_from_eye", Vector3d(terrain->origin - eye));
+    set_uniform(*gl, program, "longest_edge", terrain->longest_edge);
+    gl->BindVertexArray(terrain->array.name());
+    gl->DrawElements(GL_TRIANGLES, terrain->count, GL_UNSIGNED_INT, nullptr);
+}
+
+void SceneRenderer::Impl::draw_meshes(GLuint program, const CameraMatrices& matrices,
+                                      const Vector3d& eye) const {
+    set_uniform(*gl, program, "clip_from_eye", clip_from_eye(matrices));
+    set_uniform(*gl, program, "origin_from_eye", Vector3d(origin - eye));
+    for (const MeshOnGpu& mesh : meshes) {
+        set_uniform(*gl, program, "longest_edge", mesh.longest_edge);
+        mesh.draw(*gl);
+    }
+}
+
 Result<SceneRenderer> SceneRenderer::create(const Gl& gl, const Scene& scene) {
     try {
         auto impl = std::make_unique<Impl>();
@@ -237,28 +292,48 @@ void SceneRenderer::draw(const FrameTarget& target, const Camera& camera) const 
     gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     impl_->draw_sky(target, camera);
 
-    // Only the view's turn: the eye is subtracted from each object's origin in double.
-    Matrix4d turn = m.view;
-    turn.topRightCorner<3, 1>().setZero();
-    const Matrix4d clip_from_eye = m.projection * turn;
     if (impl_->terrain) {
         const GLuint program = impl_->terrain_program.name();
         gl.UseProgram(program);
         impl_->set_light(program, camera.eye);
-        set_uniform(gl, program, "clip_from_eye", clip_from_eye);
-        set_uniform(gl, program, "origin_from_eye", Vector3d(impl_->terrain->origin - camera.eye));
-        gl.BindVertexArray(impl_->terrain->array.name());
-        gl.DrawElements(GL_TRIANGLES, impl_->terrain->count, GL_UNSIGNED_INT, nullptr);
+        impl_->draw_terrain(program, m, camera.eye);
     }
     if (!impl_->meshes.empty()) {
         const GLuint program = impl_->mesh_program.name();
         gl.UseProgram(program);
         impl_->set_light(program, camera.eye);
-        set_uniform(gl, program, "clip_from_eye", clip_from_eye);
-        set_uniform(gl, program, "origin_from_eye", Vector3d(impl_->origin - camera.eye));
-        for (const MeshOnGpu& mesh : impl_->meshes) mesh.draw(gl);
+        impl_->draw_meshes(program, m, camera.eye);
     }
     gl.BindVertexArray(0);
+}
+
+void SceneRenderer::draw_vertices(const Camera& camera, int width, int height,
+                                  GLuint terrain_program, GLuint mesh_program) const {
+    const Gl& gl = *impl_->gl;
+    const CameraMatrices m = camera_matrices(camera, width, height);
+    gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    gl.Disable(GL_CULL_FACE);
+    gl.Enable(GL_DEPTH_TEST);
+    gl.DepthMask(GL_TRUE);
+    gl.DepthFunc(camera.depth == Camera::Depth::reversed ? GL_GREATER : GL_LESS);
+    gl.ClearDepth(m.sky_depth);
+    gl.Clear(GL_DEPTH_BUFFER_BIT);
+    const auto use = [&](GLuint program) {
+        gl.UseProgram(program);
+        const auto sides = view_sides(m, camera);
+        gl.Uniform4fv(gl.GetUniformLocation(program, "view_sides"), GLsizei(sides.size()),
+                      sides.front().data());
+    };
+    if (impl_->terrain) {
+        use(terrain_program);
+        impl_->draw_terrain(terrain_program, m, camera.eye);
+    }
+    if (!impl_->meshes.empty()) {
+        use(mesh_program);
+        impl_->draw_meshes(mesh_program, m, camera.eye);
+    }
+    gl.BindVertexArray(0);
+    gl.Disable(GL_DEPTH_TEST);
 }
 
 }  // namespace wavefog

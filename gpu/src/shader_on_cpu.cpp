@@ -86,7 +86,8 @@ double fog_entry(const FogFacts& fog, const Eigen::Vector3d& o, const Eigen::Vec
 ShaderOnCpu::ShaderOnCpu(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 Result<ShaderOnCpu> ShaderOnCpu::create(const Fog& fog, const Method& method, double seconds) {
-    if (method.kind == MethodKind::reference || method.kind == MethodKind::froxel)
+    if (method.kind == MethodKind::reference || method.kind == MethodKind::froxel ||
+        !method.sampling.every_pixel())
         return usage_error("method " + method.name() +
                            ": has no shader for single rays; choose exact, radial, paper, "
                            "paper-scaling, march:N or homogeneous");

@@ -19,6 +19,7 @@ struct MeshOnGpu {
     VertexArray array;
     Buffer vertices, indices, instances;
     GLsizei count = 0, instance_count = 0;
+    double longest_edge = 0;  ///< of a triangle, the mesh's units
 
     void draw(const Gl& gl) const {
         gl.BindVertexArray(array.name());

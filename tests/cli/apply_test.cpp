@@ -102,6 +102,24 @@ TEST_CASE("apply: what changes in time is as in the scene: maps, and particles t
     CHECK(largest_difference(both, read_picture(work.path("applied.exr"))) < 0.2);
 }
 
+TEST_CASE("apply: fog in a reduced picture as render draws it; a picture has no vertices") {
+    const Workspace work;
+    write_scene(work);
+    write_camera(work, R"("depth_values": "gl")");
+    render(work, ".exr");
+    const std::vector<std::string> reduced = {"--method", "exact@12x8"};
+    require_ok(apply(work, ".exr", reduced));
+    const RunResult drawn = work.run({"render", "scene.json", "-o", "reduced.exr", "--time", "3",
+                                      "--method", "exact@12x8"});
+    require_ok(drawn);
+    const Picture applied = read_picture(work.path("applied.exr"));
+    CHECK(largest_difference(read_picture(work.path("reduced.exr")), applied) == 0);
+    CHECK(largest_difference(read_picture(work.path("fogged.exr")), applied) > 0);
+    const RunResult vertices = apply(work, ".exr", {"--method", "exact@vertices"});
+    CHECK(vertices.status == 2);
+    CHECK(vertices.err.find("no vertices") != std::string::npos);
+}
+
 TEST_CASE("apply: the same depth in metres and inverse metres, by axis and by distance") {
     const Workspace work;
     write_scene(work);

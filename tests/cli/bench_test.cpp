@@ -175,6 +175,53 @@ TEST_CASE("bench presets: speed prints a table, paper-tables measures its cells"
     CHECK(work.files().contains("out/speed-paper-tables.svg"));
 }
 
+TEST_CASE("bench resolution and models: scenes of formulas alone, tables and charts") {
+    const Workspace work;
+    write_scene(work);
+    work.write_text("layer.json", R"({
+        "size": [48, 32],
+        "camera": {"eye": [0, 5, 30], "target": [0, 2, 0], "near": 0.1, "far": 400},
+        "terrain": {"heightmap": "map.png", "rect": [-40, -40, 40, 40], "height": [0, 3]},
+        "fog": [{"model": "layers", "profile": "exponential", "extinction": 0.03, "base": 1,
+                 "scale": 3}]})");
+    const RunResult run = work.run({"bench", "scene.json", "layer.json", "--preset", "resolution",
+                                    "--size", "160x120", "--frames", "1", "-o", "out"});
+    REQUIRE_MESSAGE(run.status == 0, run.err);
+    const json stored = results(work);
+    // homogeneous, every pixel, three sizes by two upsamplings, vertices; twice.
+    REQUIRE(stored["rows"].size() == 2 * 9);
+    for (const json& r : stored["rows"]) {
+        CAPTURE(r.dump());
+        CHECK(r["ms_median"] > 0);
+        const std::string method = r["method"];
+        // A constant fog of its own is no picture of the scene's.
+        const bool measured = method != "homogeneous" || r["scene"] == "scene";
+        CHECK(r["max_dT"].is_number() == measured);
+        CHECK(r["bound_dT"].is_number() == (r["scene"] == "scene"));
+        if (r["bound_dT"].is_number()) CHECK(r["max_dT"] <= r["bound_dT"]);
+        // The picture is no larger than these.
+        if (method == "exact" || method.rfind("exact@512", 0) == 0 ||
+            method.rfind("exact@256", 0) == 0)
+            CHECK(r["max_dT"] < 2e-6);
+        else if (measured)
+            CHECK(r["max_dT"] > 2e-6);
+    }
+    CHECK(run.out.find("128² average") != std::string::npos);
+    CHECK(run.out.find("layer, exact, vertices") != std::string::npos);
+    CHECK(work.files().contains("out/resolution-scene-exact.svg"));
+    CHECK(work.files().contains("out/resolution-layer-exact.png"));
+
+    const RunResult models = work.run({"bench", "scene.json", "layer.json", "--preset", "models",
+                                       "--size", "48x32", "--frames", "1", "-o", "models"});
+    REQUIRE_MESSAGE(models.status == 0, models.err);
+    const json drawn = results(work, "models");
+    REQUIRE(drawn["rows"].size() == 5);  // homogeneous twice, exact twice, radial of the map
+    for (const json& r : drawn["rows"])
+        if (r["method"] == "exact") CHECK(r["max_dT"] < 2e-6);
+    CHECK(models.out.find("formulas") != std::string::npos);
+    CHECK(work.read_text("models/models.svg").find("layer") != std::string::npos);
+}
+
 TEST_CASE("bench refuses what it cannot use and leaves no files") {
     const Workspace work;
     write_scene(work);

@@ -101,6 +101,50 @@ TEST_CASE("render: the method and mu come from the scene unless the flags say ot
     CHECK(facts({"--mu", "0.75"})["mu"] == 0.75);
 }
 
+TEST_CASE("render: fog in a reduced picture and at vertices, by flag and by the scene") {
+    const Workspace work;
+    write_scene(work);
+    const Picture full = transmittance(work, {});
+    const auto difference = [&](const Picture& a) {
+        double sum = 0;
+        for (std::size_t i = 0; i < a.pixels.size(); ++i)
+            sum += std::abs(double(a.pixels[i]) - double(full.pixels[i])) / double(a.pixels.size());
+        return sum;
+    };
+    CHECK(transmittance(work, {"--method", "exact@48x32"}).pixels == full.pixels);
+    const double fine = difference(transmittance(work, {"--method", "exact@24x16"}));
+    const double coarse = difference(transmittance(work, {"--method", "exact@6x4"}));
+    const double average = difference(transmittance(work, {"--method", "exact@6x4:average"}));
+    const double vertices = difference(transmittance(work, {"--method", "exact@vertices"}));
+    CHECK(fine > 0);
+    CHECK(fine < coarse);
+    CHECK(coarse < average);
+    // Terrain has a vertex at every 1.25 m here, and fog changes over 2 m.
+    CHECK(vertices > 0);
+    CHECK(vertices < 0.01);
+    // The reduced picture is that of all samples.
+    const RunResult large = work.run({"render", "scene.json", "-o", "out.png", "--supersample", "2",
+                                      "--method", "exact@24x16", "--json"});
+    REQUIRE_MESSAGE(large.status == 0, large.err);
+    CHECK(json::parse(large.out)["method"] == "exact@24x16");
+
+    write_scene(work, R"({"name": "exact@24x16"})");
+    CHECK(difference(transmittance(work, {})) == fine);
+    work.write_text("rays.csv", "0,2,0,30,2,0\n");
+    for (const std::string method : {"froxel:8x8x8@24x16", "radial@vertices", "exact@24", "reference@24x16"}) {
+        CAPTURE(method);
+        const RunResult run =
+            work.run({"render", "scene.json", "-o", "none.png", "--method", method});
+        CHECK(run.status == 2);
+        CHECK(run.err.find("method \"" + method + "\"") != std::string::npos);
+        CHECK_FALSE(work.files().contains("none.png"));
+    }
+    const RunResult probe = work.run({"probe", "scene.json", "--rays", "rays.csv", "-o", "none.csv",
+                                      "--method", "exact@24x16"});
+    CHECK(probe.status == 2);
+    CHECK(probe.err.find("no pixels") != std::string::npos);
+}
+
 TEST_CASE("render --fog replaces the fogs of the scene") {
     const Workspace work;
     write_scene(work);

@@ -322,7 +322,8 @@ TEST_CASE("methods are parsed and named") {
     for (const char* name :
          {"reference", "exact", "paper", "paper:16", "paper-scaling:32:perimeter", "march:1",
           "march:32", "march:65536", "froxel:160x90x64", "homogeneous", "radial", "radial:1024x256",
-          "radial:step", "radial:1024x256:step"}) {
+          "radial:step", "radial:1024x256:step", "exact@256x256", "march:8@1x16384:average",
+          "radial:64x64:step@20x30", "homogeneous@vertices", "paper:16@vertices"}) {
         const auto method = parse_method(name);
         REQUIRE(method.has_value());
         CHECK(method->name() == name);
@@ -353,7 +354,21 @@ TEST_CASE("methods are parsed and named") {
                              "radial:8x8:2",
                              "radial:step:8x8",
                              "radial:step:step",
-                             "radial:8x8:stop"}) {
+                             "radial:8x8:stop",
+                             "@256x256",
+                             "exact@",
+                             "exact@256",
+                             "exact@0x256",
+                             "exact@256x16385",
+                             "exact@256x256x3",
+                             "exact@256x256:best",
+                             "exact@256x256:average:average",
+                             "exact@vertices:average",
+                             "exact@vertices@256x256",
+                             "radial@vertices",
+                             "froxel:8x8x8@256x256",
+                             "froxel:8x8x8@vertices",
+                             "reference@256x256"}) {
         const auto method = parse_method(name);
         CAPTURE(std::string(name));
         REQUIRE_FALSE(method.has_value());

@@ -32,6 +32,7 @@ struct Camera {
     double far_plane = 4000;  ///< may be infinity (JSON: "infinite") for perspective
     Eigen::Vector2d lens_shift{
         0, 0};  ///< off-axis: shift of the image plane in units of its half size
+    double pixel_aspect = 1;  ///< width of a pixel over its height; files have no key for it
 };
 
 /// A further view of a scene, by name.
@@ -72,6 +73,21 @@ enum class MethodKind {
     homogeneous
 };
 
+/// Where a picture's fog is computed: in every pixel, or cheaper (paper 000, sections 4.1 to 4.3).
+struct FogSampling {
+    enum class Upsample {
+        aware,   ///< the depth in a reduced pixel's middle; bilinear, less where ends lie apart
+        average  ///< the mean of the depth buffer over a reduced pixel; bilinear (as published)
+    };
+    int width = 0, height = 0;  ///< of a reduced picture, at most the picture's own; 0: every pixel
+    Upsample upsample = Upsample::aware;
+    /// At the vertices of terrain and meshes, interpolated between them; in the sky's every pixel.
+    bool vertices = false;
+
+    bool every_pixel() const { return width == 0 && !vertices; }
+    std::string name() const;  ///< "256x256:average", "vertices"; empty: every pixel
+};
+
 struct Method {
     MethodKind kind = MethodKind::exact;
     int samples = 32;  ///< march:N
@@ -83,11 +99,14 @@ struct Method {
     int radial[2] = {0, 0};    ///< radial[:AZIMUTHSxROWS]; 0: chosen for fog and picture
     bool radial_step = false;  ///< radial[:AZIMUTHSxROWS]:step: exact between rows
     double mu = 1;                   ///< [0,1], paper 004 eq. 12
+    FogSampling sampling = {};       ///< @WxH[:average], @vertices
     std::string name() const;
 };
-/// Parses the names of design.md section 4 (march:N, froxel:XxYxZ, paper:N:perimeter, ...); a usage
-/// error lists them.
+/// Parses the names of design.md section 4 (march:N, froxel:XxYxZ, paper:N:perimeter, ...), each with
+/// "@" and a sampling or without; a usage error lists them.
 Result<Method> parse_method(const std::string& text);
+/// A usage error if the method cannot be sampled as it asks for.
+Result<void> check_sampling(const Method& method);
 
 struct Scene {
     int width = 800, height = 600;

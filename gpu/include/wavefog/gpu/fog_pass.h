@@ -43,14 +43,19 @@ struct FogView {
 /// froxel is the volume that engines ship, without their temporal filter (a still frame). radial
 /// fills its table when eye, view, fog or size changed; an orthographic camera, whose rays do not
 /// share the eye, gets exact instead.
+///
+/// Method::sampling makes any of them but froxel cheaper: fog in the pixels of a reduced picture,
+/// interpolated, or at vertices (not radial, and not particles, which are listed by pixels).
 class FogPass {
   public:
     /// Compiles the programs that `method` needs for these fogs (they stay the caller's). `models`
-    /// and particles are drawn alike whatever the method.
+    /// and particles are drawn alike whatever the method. `scene` has the vertices that a method
+    /// "@vertices" needs, and drew the frames; it must outlive the pass.
     static Result<FogPass> create(const Gl& gl, std::vector<const FogTextures*> fogs,
                                   const Method& method, const Eigen::Vector3d& fog_colour,
                                   std::vector<FogModel> models = {},
-                                  bool with_particles = false);
+                                  bool with_particles = false,
+                                  const SceneRenderer* scene = nullptr);
     FogPass(FogPass&&) noexcept;
     FogPass& operator=(FogPass&&) noexcept;
     ~FogPass();
