@@ -283,6 +283,14 @@ TEST_CASE("wfog: errors of smooth maps stay well below the bound") {
     }
 }
 
+TEST_CASE("wfog: a single pixel, whose full scale is 0, with a promised error") {
+    const Grid<float> map = Grid<float>::Constant(1, 1, 1.1e-32f);
+    WfogOptions options;
+    options.promise = Promise::max_error;
+    options.error = 0.2;
+    CHECK(same_bits(decoded(encoded(fog_of(map), options, &map).bytes).map, map));
+}
+
 TEST_CASE("wfog: gaps between few values cost nothing") {
     constexpr int steps[] = {7, 60, 130, 255};
     for (const bool best : {false, true})

@@ -203,13 +203,13 @@ class PixelEncoder {
     Result<Trial> encode_well(double error) {
         choose_scale(error);
         Result<Trial> trial;
-        Bounds last;
+        std::optional<Bounds> last;  ///< of the trial
         double rms_prequantised = 0;
         for (const Tightness& by : kTightness) {
-            if (trial && last == tightened(allowed_, head_.stream_levels, by)) continue;
+            if (last && *last == tightened(allowed_, head_.stream_levels, by)) continue;
             trial = encode_within(by);
             last = head_.bounds;
-            if (!trial || last.coarser.empty()) break;
+            if (!trial || last->coarser.empty()) break;
             if (rms_prequantised == 0) rms_prequantised = prequantised();
             if (trial->file.report.rms_error <= kThreeDecibels * rms_prequantised) break;
         }
