@@ -114,7 +114,7 @@ TEST_CASE("every embedded scene and post shader compiles, and every file opens w
         CHECK_FALSE(contains(text, "#version"));
         // The others' defines belong to the tests of the fog pass.
         if (!file.starts_with("scene_") && !file.starts_with("post_")) continue;
-        const bool is_vertex = file.ends_with(".vert");
+        const bool is_vertex = file.ends_with(".vert") || contains(text, "gl_Position");
         const std::string body = file.ends_with(".glsl") ? text + "void main() {}\n" : text;
         const auto program = build_program_from_text(
             gl, {{GLenum(is_vertex ? GL_VERTEX_SHADER : GL_FRAGMENT_SHADER), file, body}});
