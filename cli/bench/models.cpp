@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "bench/table_text.h"
 
 namespace wavefog::cli {
@@ -51,7 +53,6 @@ Figure models_figure(const std::vector<Row>& rows) {
     figure.x.label = "cost of the fog pass, × homogeneous fog";
     figure.y.label = "largest error of transmittance, max |ΔT|";
     figure.levels.push_back({kVisibleError, "least visible\nerror, 1/510"});
-    std::vector<Curve> curves;
     for (const auto& [name, key] :
          {std::pair{"formulas", "formulas"}, {"exact", "exact"}, {"radial", "radial"}}) {
         Curve curve{key == std::string("formulas") ? "formulas" : fmt::format("maps, {}", name), key,
@@ -64,6 +65,10 @@ Figure models_figure(const std::vector<Row>& rows) {
         }
         if (!curve.points.empty()) figure.curves.push_back(std::move(curve));
     }
+    // Names go beside their points from the top down, so that of points above one another each has
+    // its own nearest.
+    std::stable_sort(figure.notes.begin(), figure.notes.end(),
+                     [](const Note& a, const Note& b) { return a.y > b.y; });
     return figure;
 }
 
