@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "bench/table_text.h"
 
@@ -65,10 +66,22 @@ Figure models_figure(const std::vector<Row>& rows) {
         }
         if (!curve.points.empty()) figure.curves.push_back(std::move(curve));
     }
-    // Names go beside their points from the top down, so that of points above one another each has
-    // its own nearest.
+    // From the top down; points that touch share a text, which names them in that order.
     std::stable_sort(figure.notes.begin(), figure.notes.end(),
                      [](const Note& a, const Note& b) { return a.y > b.y; });
+    std::vector<Note> apart;
+    for (const Note& note : figure.notes) {
+        const bool touches = !apart.empty() && apart.back().key == note.key &&
+                             std::abs(std::log(apart.back().x / note.x)) < 0.1 &&
+                             apart.back().y < 2 * note.y;
+        if (!touches) {
+            apart.push_back(note);
+            continue;
+        }
+        apart.back().text += ", " + note.text;
+        apart.back().y = note.y;
+    }
+    figure.notes = std::move(apart);
     return figure;
 }
 
