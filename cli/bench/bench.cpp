@@ -90,7 +90,8 @@ Result<Results> measure(const BenchOptions& options) {
         if (!scene) return tl::unexpected(scene.error());
         const bool formulas_will_do = options.plan.preset == Preset::resolution ||
                                       options.plan.preset == Preset::models;
-        if (scene->scene.fogs.empty() && (!formulas_will_do || scene->scene.models.empty())) {
+        if (scene->scene.fogs.empty() && (!formulas_will_do ||
+                                           (scene->scene.models.empty() && scene->particles.empty()))) {
             results.skipped.push_back(file.string() + ": the scene has no wavelet fog to measure");
             continue;
         }

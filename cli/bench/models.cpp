@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "bench/table_text.h"
 
 namespace wavefog::cli {
@@ -51,7 +54,6 @@ Figure models_figure(const std::vector<Row>& rows) {
     figure.x.label = "cost of the fog pass, × homogeneous fog";
     figure.y.label = "largest error of transmittance, max |ΔT|";
     figure.levels.push_back({kVisibleError, "least visible\nerror, 1/510"});
-    std::vector<Curve> curves;
     for (const auto& [name, key] :
          {std::pair{"formulas", "formulas"}, {"exact", "exact"}, {"radial", "radial"}}) {
         Curve curve{key == std::string("formulas") ? "formulas" : fmt::format("maps, {}", name), key,
@@ -64,6 +66,22 @@ Figure models_figure(const std::vector<Row>& rows) {
         }
         if (!curve.points.empty()) figure.curves.push_back(std::move(curve));
     }
+    // From the top down; points that touch share a text, which names them in that order.
+    std::stable_sort(figure.notes.begin(), figure.notes.end(),
+                     [](const Note& a, const Note& b) { return a.y > b.y; });
+    std::vector<Note> apart;
+    for (const Note& note : figure.notes) {
+        const bool touches = !apart.empty() && apart.back().key == note.key &&
+                             std::abs(std::log(apart.back().x / note.x)) < 0.1 &&
+                             apart.back().y < 2 * note.y;
+        if (!touches) {
+            apart.push_back(note);
+            continue;
+        }
+        apart.back().text += ", " + note.text;
+        apart.back().y = note.y;
+    }
+    figure.notes = std::move(apart);
     return figure;
 }
 
