@@ -71,15 +71,16 @@ Figure models_figure(const std::vector<Row>& rows) {
                      [](const Note& a, const Note& b) { return a.y > b.y; });
     std::vector<Note> apart;
     for (const Note& note : figure.notes) {
-        const bool touches = !apart.empty() && apart.back().key == note.key &&
-                             std::abs(std::log(apart.back().x / note.x)) < 0.1 &&
-                             apart.back().y < 2 * note.y;
-        if (!touches) {
+        const auto touched = std::find_if(apart.begin(), apart.end(), [&](const Note& other) {
+            return other.key == note.key && std::abs(std::log(other.x / note.x)) < 0.1 &&
+                   other.y < 2 * note.y;
+        });
+        if (touched == apart.end()) {
             apart.push_back(note);
             continue;
         }
-        apart.back().text += ", " + note.text;
-        apart.back().y = note.y;
+        touched->text += ", " + note.text;
+        touched->y = note.y;
     }
     figure.notes = std::move(apart);
     return figure;
