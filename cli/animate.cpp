@@ -49,10 +49,11 @@ Result<FrameRange> parse_frames(const std::string& text) {
     const auto last =
         bar == std::string::npos ? first : parse_integer_in(text.substr(bar + 1), 0, kLastFrame);
     if (!first || !last)
-        return usage_error(fmt::format("'{}' is no range of frames; write A-B, such as 0-239", text));
+        return usage_error(
+            fmt::format("'{}' is no range of frames; write A-B, such as 0-239", text));
     if (*last < *first)
-        return usage_error(fmt::format("'{}' ends before it begins; write the smaller frame first",
-                                       text));
+        return usage_error(
+            fmt::format("'{}' ends before it begins; write the smaller frame first", text));
     return FrameRange{*first, *last};
 }
 
@@ -79,7 +80,8 @@ struct Pattern {
             for (const char c : text) out += c == '%' ? "%%" : std::string(1, c);
             return out;
         };
-        return escaped((directory / before).string()) + fmt::format("%0{}d", digits) + escaped(after);
+        return escaped((directory / before).string()) + fmt::format("%0{}d", digits) +
+               escaped(after);
     }
 };
 
@@ -116,7 +118,8 @@ Result<void> check(const AnimateOptions& options, const Pattern& pattern) {
         if (auto ok = check_output(pattern.file(frame), inputs, {".png", ".exr"}); !ok) return ok;
     if (options.video.empty()) return {};
     if (extension_of(options.output) != ".png")
-        return usage_error(fmt::format("{}: --video needs frames as .png", options.output.string()));
+        return usage_error(
+            fmt::format("{}: --video needs frames as .png", options.output.string()));
     if (find_program("ffmpeg").empty())
         return data_error(
             "--video: there is no ffmpeg in PATH; install it (apt-get install ffmpeg), or leave "

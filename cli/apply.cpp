@@ -77,7 +77,8 @@ Result<Image> read_colour(const fs::path& file) {
     return image;
 }
 
-/// Fogs, their colour, ground and the method of the first scene among --fog, changed as the flags say.
+/// Fogs, their colour, ground and the method of the first scene among --fog, changed as the flags
+/// say.
 Result<Scene> fogs_of(const ApplyOptions& options) {
     Scene scene;
     for (auto file = options.fogs.rbegin(); file != options.fogs.rend(); ++file)
@@ -113,10 +114,10 @@ Result<void> apply(const ApplyOptions& options) {
     const Result<Image> values = read_image(options.depth);
     if (!values) return tl::unexpected(values.error());
     if (colour->width != values->width || colour->height != values->height)
-        return data_error(fmt::format(
-            "{}: is {}x{}, {} is {}x{}; colour and depth must be of one size",
-            options.depth.string(), values->width, values->height, options.colour.string(),
-            colour->width, colour->height));
+        return data_error(
+            fmt::format("{}: is {}x{}, {} is {}x{}; colour and depth must be of one size",
+                        options.depth.string(), values->width, values->height,
+                        options.colour.string(), colour->width, colour->height));
     Result<DepthPicture> depth = depth_for_fog(*values, *camera);
     if (!depth)
         return data_error(fmt::format("{}: {}", options.depth.string(), depth.error().message));
@@ -193,20 +194,28 @@ Command add_apply(CLI::App& root) {
     add_context(*app, options->context);
     app->add_flag("--json", options->json, "Print what was written as JSON");
     app->footer(
-        "The fog is drawn by the same pass as in `render`. The camera file has the keys of a scene's\n"
+        "The fog is drawn by the same pass as in `render`. The camera file has the keys of a "
+        "scene's\n"
         "\"camera\" (eye, target, fov_y_deg, near, far, ...; metres, y up), and \"depth_values\":\n"
-        "  \"gl\"       the depth buffer's values, 0 to 1, by near, far and \"depth\": \"standard\" or\n"
+        "  \"gl\"       the depth buffer's values, 0 to 1, by near, far and \"depth\": "
+        "\"standard\" or\n"
         "             \"reversed\"\n"
-        "  \"metres\"   with \"measured\": \"axis\" (along the view axis, as z) or \"distance\" (from\n"
+        "  \"metres\"   with \"measured\": \"axis\" (along the view axis, as z) or \"distance\" "
+        "(from\n"
         "             the eye); \"depth_scale\": metres a unit (1; 16-bit PNG of mm: 65.535)\n"
         "  \"inverse\"  depth_scale / metres, measured likewise\n"
-        "Infinite depth, and depth at or beyond \"far\", is background: it is fogged as the sky is, by\n"
-        "all that lies before \"far\". NaN, 0 metres and infinite inverse depth were not measured:\n"
-        "background too, and counted; with \"unmeasured\": \"neighbours\" as far as the farther one of\n"
-        "the nearest pixels to the left and right. \"depth_offset\" is added to every value before.\n"
+        "Infinite depth, and depth at or beyond \"far\", is background: it is fogged as the sky "
+        "is, by\n"
+        "all that lies before \"far\". NaN, 0 metres and infinite inverse depth were not "
+        "measured:\n"
+        "background too, and counted; with \"unmeasured\": \"neighbours\" as far as the farther "
+        "one of\n"
+        "the nearest pixels to the left and right. \"depth_offset\" is added to every value "
+        "before.\n"
         "\n"
         "Example: a photograph with estimated depth\n"
-        "  echo '{\"eye\": [0, 1.6, 0], \"target\": [0, 1.6, -1], \"fov_y_deg\": 55, \"far\": 2000,\n"
+        "  echo '{\"eye\": [0, 1.6, 0], \"target\": [0, 1.6, -1], \"fov_y_deg\": 55, \"far\": "
+        "2000,\n"
         "         \"depth_values\": \"metres\", \"measured\": \"axis\"}' > cam.json\n"
         "  wavefog apply --fog data/scenes/layers.json --color photo.png --depth depth.exr \\\n"
         "                --camera cam.json -o foggy.png");

@@ -30,8 +30,7 @@ struct FogsAt {
 /// The particles of sources at a time, where ground and meshes have stopped them.
 Result<std::vector<Particle>> particles_at(const std::vector<ParticleSource>& sources,
                                            const std::optional<Terrain>& terrain,
-                                           const std::vector<MeshInstance>& meshes,
-                                           double seconds);
+                                           const std::vector<MeshInstance>& meshes, double seconds);
 
 /// Of a scene, a fog file or a picture; warns of one that ends early.
 Result<FogsAt> load_fogs_at(const std::filesystem::path& file, double seconds);

@@ -100,11 +100,12 @@ struct FrameDrawer::Impl {
         if (!made) return tl::unexpected(made.error());
         pass = *std::move(made);
         for (auto [to, internal_format, format] :
-             {std::tuple{&colour, GLenum(GL_RGBA32F), GLenum(GL_RGBA)}, {&depth, GL_R32F, GL_RED}}) {
+             {std::tuple{&colour, GLenum(GL_RGBA32F), GLenum(GL_RGBA)},
+              {&depth, GL_R32F, GL_RED}}) {
             const bool coloured = pass->coloured() && to == &depth;
-            Result<Target> drawn = make_target(gl(), coloured ? GL_RGBA32F : internal_format,
-                                               coloured ? GL_RGBA : format, target.width,
-                                               target.height);
+            Result<Target> drawn =
+                make_target(gl(), coloured ? GL_RGBA32F : internal_format,
+                            coloured ? GL_RGBA : format, target.width, target.height);
             if (!drawn) return tl::unexpected(drawn.error());
             *to = *std::move(drawn);
         }
@@ -135,14 +136,14 @@ struct FrameDrawer::Impl {
     /// Colour and transmittance by the GPU fog pass.
     Result<void> draw_on_gpu(double seconds, Frame& frame) {
         for (std::size_t i = 0; i < players.size(); ++i)
-            if (auto ok = textures[scene->sequences[i].fog].update(gl(), changing[i]); !ok) return ok;
+            if (auto ok = textures[scene->sequences[i].fog].update(gl(), changing[i]); !ok)
+                return ok;
         if (!players.empty())
             if (auto ok = pass->fogs_changed(); !ok) return ok;
         if (particles)
             if (auto ok = pass->set_particles(particles->at(seconds)); !ok) return ok;
         if (!scene->models.empty())
-            if (auto ok =
-                    pass->set_models(models_at(scene->models, scene->model_winds, seconds));
+            if (auto ok = pass->set_models(models_at(scene->models, scene->model_winds, seconds));
                 !ok)
                 return ok;
         pass->draw_colour(target, scene->camera, colour.framebuffer.name(), seconds);
@@ -162,9 +163,8 @@ struct FrameDrawer::Impl {
         frame.colour =
             channels_of(read_texture(gl(), target.colour.name(), width, height, 4), channels);
         const int shown = coloured(scene->fogs, scene->models) ? 3 : 1;
-        frame.transmittance = {
-            width, height, shown,
-            std::vector<float>(surfaces.pixels.size() * std::size_t(shown))};
+        frame.transmittance = {width, height, shown,
+                               std::vector<float>(surfaces.pixels.size() * std::size_t(shown))};
         std::vector<Reference> fogs;
         for (std::size_t i = 0; i < scene->fogs.size(); ++i) {
             const Fog* fog = &scene->fogs[i];
@@ -251,10 +251,10 @@ Result<FrameDrawer> FrameDrawer::over(const Scene& scene, const Surfaces& surfac
 
 Surfaces FrameDrawer::surfaces() const {
     const FrameTarget& target = impl_->target;
-    return {channels_of(read_texture(impl_->gl(), target.colour.name(), target.width,
-                                     target.height, 4),
-                        impl_->channels),
-            read_texture(impl_->gl(), target.depth.name(), target.width, target.height, 1, true)};
+    return {
+        channels_of(read_texture(impl_->gl(), target.colour.name(), target.width, target.height, 4),
+                    impl_->channels),
+        read_texture(impl_->gl(), target.depth.name(), target.width, target.height, 1, true)};
 }
 
 Result<Frame> FrameDrawer::draw(double seconds) {

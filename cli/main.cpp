@@ -41,10 +41,9 @@ int run(int argc, char** argv) {
         "  wavefog render data/scenes/valley.json --fog banks.exr -o valley.png\n"
         "\n"
         "Exit status: 0 done, 1 a file or its content is at fault, 2 the command line is.");
-    const std::array commands = {add_convert(root), add_info(root),   add_decode(root),
-                                 add_probe(root),   add_render(root),   add_animate(root),
-                                 add_bench(root),   add_fit(root),      add_generate(root),
-                                 add_apply(root)};
+    const std::array commands = {
+        add_convert(root), add_info(root),  add_decode(root), add_probe(root),    add_render(root),
+        add_animate(root), add_bench(root), add_fit(root),    add_generate(root), add_apply(root)};
     try {
         root.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

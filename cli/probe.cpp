@@ -38,7 +38,8 @@ Result<Method> parse_ray_method(const std::string& text) {
     Result<Method> method = parse_method(text);
     if (method && !method->sampling.every_pixel())
         return usage_error(fmt::format(
-            "method \"{}\": rays have no pixels and no vertices; leave out what follows the @", text));
+            "method \"{}\": rays have no pixels and no vertices; leave out what follows the @",
+            text));
     return method;
 }
 
@@ -169,9 +170,8 @@ Result<void> probe(const ProbeOptions& options) {
     const std::size_t count = fogs->fogs.size() + fogs->models.size();
     const std::string particles =
         fogs->particles.empty() ? "" : fmt::format(" and {} particles", fogs->particles.size());
-    fmt::print("wrote {}: {} rays through {} fog{}{}, method {}, mu {}\n",
-               options.output.string(), depths->size(), count, count == 1 ? "" : "s", particles,
-               method.name(), method.mu);
+    fmt::print("wrote {}: {} rays through {} fog{}{}, method {}, mu {}\n", options.output.string(),
+               depths->size(), count, count == 1 ? "" : "s", particles, method.name(), method.mu);
     return {};
 }
 
@@ -200,7 +200,8 @@ Command add_probe(CLI::App& root) {
         "Each row ox,oy,oz,px,py,pz is a segment from O to P in metres, y up; a header line is\n"
         "optional. The same rows come out with two columns more: the optical depth, the integral\n"
         "of extinction from O to P, and the transmittance exp(-optical depth), the share of light\n"
-        "that gets through. Several fogs add their optical depths; if some have \"channels\", both\n"
+        "that gets through. Several fogs add their optical depths; if some have \"channels\", "
+        "both\n"
         "columns come for red, green and blue. `reference` is exact in double;\n"
         "the other methods run the shader's own code on the CPU in float, so that their error can\n"
         "be seen without a GPU. `radial` builds a table around each O: keep the rays of one O "

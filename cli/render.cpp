@@ -42,9 +42,9 @@ Result<void> check_files(const RenderOptions& options) {
         const fs::path place = fs::absolute(*file).lexically_normal();
         for (const fs::path& other : outputs)
             if (place == fs::absolute(other).lexically_normal())
-                return usage_error(fmt::format(
-                    "{}: {} and another output are the same file; give two names", file->string(),
-                    flag));
+                return usage_error(
+                    fmt::format("{}: {} and another output are the same file; give two names",
+                                file->string(), flag));
         outputs.push_back(*file);
         if (auto ok = check_output(*file, inputs, extensions); !ok) return ok;
     }
@@ -79,10 +79,14 @@ Result<void> render(const RenderOptions& options) {
             if (auto ok = write_image(options.transmittance, frame->transmittance); !ok) return ok;
         if (auto ok = write_image(options.output, frame->colour); !ok) return ok;
     }
-    Facts facts = {{"wrote", options.output.string()},   {"size", {scene->width, scene->height}},
-                   {"method", scene->method.name()},     {"mu", scene->method.mu},
-                   {"supersample", options.scene.supersample}, {"context", options.scene.context},
-                   {"renderer", frame->renderer},        {"seconds", seconds.count()}};
+    Facts facts = {{"wrote", options.output.string()},
+                   {"size", {scene->width, scene->height}},
+                   {"method", scene->method.name()},
+                   {"mu", scene->method.mu},
+                   {"supersample", options.scene.supersample},
+                   {"context", options.scene.context},
+                   {"renderer", frame->renderer},
+                   {"seconds", seconds.count()}};
     if (options.time != 0) facts["time"] = options.time;
     if (options.scene.camera) facts["camera"] = *options.scene.camera;
     if (!options.transmittance.empty()) facts["transmittance"] = options.transmittance.string();

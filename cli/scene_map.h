@@ -15,10 +15,10 @@ struct SceneMapOptions {
     Size size;
     bool tile = false;  ///< the first quarter fades from what lies behind the other end
     std::optional<Rect> rect;
-    std::optional<double> height;                ///< density at it, or
-    std::optional<std::array<double, 2>> mean;   ///< its mean between two heights
-    std::optional<double> extinction;            ///< of a pixel of 1; the densest if there is none
-    std::optional<int> channel;                  ///< 0 red, 1 green, 2 blue
+    std::optional<double> height;               ///< density at it, or
+    std::optional<std::array<double, 2>> mean;  ///< its mean between two heights
+    std::optional<double> extinction;           ///< of a pixel of 1; the densest if there is none
+    std::optional<int> channel;                 ///< 0 red, 1 green, 2 blue
 };
 
 /// Extinction over the ground at pixel centres, 1/m, divided by `extinction`. Of particles it is

@@ -19,12 +19,12 @@ std::vector<fs::path> SceneOptions::inputs() const {
 void add_scene_options(CLI::App& app, SceneOptions& options) {
     app.add_option("SCENE", options.input, "A scene file (.json)")->required();
     app.add_option("--fog", options.fogs,
-                    "Fog file to use instead of the scene's fogs (again for more; they add up)")
+                   "Fog file to use instead of the scene's fogs (again for more; they add up)")
         ->type_name("FOG")
         ->allow_extra_args(false);
     add_parsed(app, "--size", options.size, parse_size, "WxH", "Pixels (the scene's size)");
     app.add_option("--camera", options.camera,
-                    "One of the scene's \"cameras\" (its main \"camera\")")
+                   "One of the scene's \"cameras\" (its main \"camera\")")
         ->type_name("NAME");
     add_parsed(
         app, "--method", options.method, parse_method, "M",

@@ -110,9 +110,8 @@ Truth compute_truth(const std::vector<Fog>& fogs, const std::vector<FogModel>& m
             for (int i = 0; i < kSubpixels; ++i) {
                 const double right = (i + 0.5) / kSubpixels - 0.5;
                 const double down = (j + 0.5) / kSubpixels - 0.5;
-                sum += std::exp(
-                    -rays.optical_depth(references, rays.at(x + right, y + down, z), 1, models,
-                                        particles));
+                sum += std::exp(-rays.optical_depth(references, rays.at(x + right, y + down, z), 1,
+                                                    models, particles));
             }
         return sum / (kSubpixels * kSubpixels);
     };

@@ -5,8 +5,8 @@
 
 #include "bench/charts.h"
 #include "bench/compression.h"
-#include "bench/motion.h"
 #include "bench/measure.h"
+#include "bench/motion.h"
 #include "bench/output.h"
 #include "bench/plan.h"
 #include "bench/provenance.h"
@@ -48,8 +48,7 @@ Result<void> check_usage(const BenchOptions& options) {
                         "--methods, --mu, --levels, --size{} --frames{}",
                         preset_names[std::size_t(options.plan.preset)], no_budget ? "," : " and",
                         no_budget ? " and --budget" : ""));
-    const bool needs_scene =
-        !stored && !own_maps && options.plan.preset != Preset::compression;
+    const bool needs_scene = !stored && !own_maps && options.plan.preset != Preset::compression;
     if (needs_scene && options.scenes.empty())
         return usage_error("bench: name a scene file, e.g. data/scenes/bench64.json");
     return {};
@@ -88,10 +87,10 @@ Result<Results> measure(const BenchOptions& options) {
         if (auto ok = check_input(file); !ok) return tl::unexpected(ok.error());
         Result<BenchScene> scene = load_bench_scene(file);
         if (!scene) return tl::unexpected(scene.error());
-        const bool formulas_will_do = options.plan.preset == Preset::resolution ||
-                                      options.plan.preset == Preset::models;
-        if (scene->scene.fogs.empty() && (!formulas_will_do ||
-                                           (scene->scene.models.empty() && scene->particles.empty()))) {
+        const bool formulas_will_do =
+            options.plan.preset == Preset::resolution || options.plan.preset == Preset::models;
+        if (scene->scene.fogs.empty() &&
+            (!formulas_will_do || (scene->scene.models.empty() && scene->particles.empty()))) {
             results.skipped.push_back(file.string() + ": the scene has no wavelet fog to measure");
             continue;
         }
@@ -106,7 +105,8 @@ Result<Results> measure(const BenchOptions& options) {
     if (options.plan.preset == Preset::stability) {
         if (auto ok = study_stability(**context, results); !ok) return tl::unexpected(ok.error());
     } else if (options.plan.preset == Preset::motion) {
-        if (auto ok = study_motion(**context, options.measure.seconds.value_or(25), results); !ok) return tl::unexpected(ok.error());
+        if (auto ok = study_motion(**context, options.measure.seconds.value_or(25), results); !ok)
+            return tl::unexpected(ok.error());
     } else {
         const Result<std::vector<Group>> groups = plan(scenes, options.plan, results.cut);
         if (!groups) return tl::unexpected(groups.error());
@@ -177,7 +177,8 @@ Command add_bench(CLI::App& root) {
     add_parsed(
         *app, "--budget", options->measure.seconds,
         [](const std::string& text) { return parse_number_in(text, 0.001, 1e6); }, "SECONDS",
-        "Take about this long and tell what was left out (chart and paper-tables: 780, motion: 25)");
+        "Take about this long and tell what was left out (chart and paper-tables: 780, motion: "
+        "25)");
     app->add_flag("--reuse", options->measure.reuse,
                   "Let method radial keep its table, as a camera at rest does (it is filled anew "
                   "each frame)");
@@ -203,7 +204,8 @@ Command add_bench(CLI::App& root) {
         "(the first map of each scene at 64x64 to 4096x4096, mirrored where it is smaller, from "
         "five\n"
         "cameras), compression (.wfog files beside image codecs that are installed, on pictures),\n"
-        "motion (what maps that change and particles cost a frame; needs no scene), resolution (fog\n"
+        "motion (what maps that change and particles cost a frame; needs no scene), resolution "
+        "(fog\n"
         "in reduced pictures and at vertices), models (each scene's fogs beside constant fog).\n"
         "Charts need gnuplot.\n"
         "\n"

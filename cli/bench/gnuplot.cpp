@@ -227,7 +227,8 @@ std::string axis_commands(const Axis& axis, const char* name, const Range& range
                             powers ? "'10^{%T}'" : "'%g'");
         // Within one or two decades powers of ten alone leave an axis without numbers.
         if (!powers && range.high / range.low < 30)
-            text += fmt::format("set {}tics add (0.1,0.2,0.5,1,2,5,10,20,50,100,200,500,1000)\n", name);
+            text +=
+                fmt::format("set {}tics add (0.1,0.2,0.5,1,2,5,10,20,50,100,200,500,1000)\n", name);
     }
     return text;
 }

@@ -271,7 +271,8 @@ Result<FogPass> Measurement::make_pass(const Group& group, const Case& one,
             if (!made) return tl::unexpected(made.error());
             constant_fog_ = *std::move(made);
         }
-        return FogPass::create(context_.gl(), {&*constant_fog_}, one.method, drawn.scene.fog_colour);
+        return FogPass::create(context_.gl(), {&*constant_fog_}, one.method,
+                               drawn.scene.fog_colour);
     }
     const bool with_particles = !drawn.particles.empty();
     Result<FogPass> pass = FogPass::create(context_.gl(), fogs, one.method, drawn.scene.fog_colour,
@@ -298,8 +299,8 @@ void Measurement::estimate(std::vector<Contender>& contenders, const Stage& stag
         double pilot = seconds_of(stage.pilot, stage.pilot_fogged);  // compiles
         if (pilot < kWarmUpSeconds) pilot = seconds_of(stage.pilot, stage.pilot_fogged);
         // Froxels and vertices cost the same at any picture size, all others by the pixel.
-        const bool by_pixel = contender.method.kind != MethodKind::froxel &&
-                              !contender.method.sampling.vertices;
+        const bool by_pixel =
+            contender.method.kind != MethodKind::froxel && !contender.method.sampling.vertices;
         contender.estimate = by_pixel ? pilot * pixels / pilot_pixels : pilot;
         if (contender.estimate < kWarmUpSeconds)
             contender.estimate = seconds_of(stage.frame, stage.fogged);

@@ -83,7 +83,7 @@ class Measurement {
     std::chrono::steady_clock::time_point start_;
     std::map<std::string, Truth> truths_;
     std::optional<FogTextures> constant_fog_;  ///< `homogeneous` in scenes without maps
-    double done_ = 0, group_share_ = 0;  ///< of the groups, for the progress line
+    double done_ = 0, group_share_ = 0;        ///< of the groups, for the progress line
 };
 
 /// "homogeneous" among the methods, needed by every group.

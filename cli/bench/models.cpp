@@ -56,8 +56,10 @@ Figure models_figure(const std::vector<Row>& rows) {
     figure.levels.push_back({kVisibleError, "least visible\nerror, 1/510"});
     for (const auto& [name, key] :
          {std::pair{"formulas", "formulas"}, {"exact", "exact"}, {"radial", "radial"}}) {
-        Curve curve{key == std::string("formulas") ? "formulas" : fmt::format("maps, {}", name), key,
-                    Curve::Style::points, {}};
+        Curve curve{key == std::string("formulas") ? "formulas" : fmt::format("maps, {}", name),
+                    key,
+                    Curve::Style::points,
+                    {}};
         for (const Row& row : rows) {
             if (is_baseline(row) || method_of(row) != name || !row.ratio_homogeneous || !row.max_dT)
                 continue;

@@ -8,8 +8,8 @@
 
 namespace wavefog::cli {
 
-/// Each scene's fogs by `exact`, and by `radial` where there are maps, beside constant fog in the same
-/// scene.
+/// Each scene's fogs by `exact`, and by `radial` where there are maps, beside constant fog in the
+/// same scene.
 Result<std::vector<Group>> plan_models(const std::vector<BenchScene>& scenes, const Size& size);
 
 std::string models_text(const std::vector<Row>& rows, bool markdown);

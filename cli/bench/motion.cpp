@@ -34,7 +34,8 @@ Result<double> median_ms(double seconds, const Work& work) {
         const auto before = Clock::now();
         if (auto ok = work(run); !ok) return tl::unexpected(ok.error());
         const auto now = Clock::now();
-        if (run > 0) times.push_back(std::chrono::duration<double, std::milli>(now - before).count());
+        if (run > 0)
+            times.push_back(std::chrono::duration<double, std::milli>(now - before).count());
         if (run >= kLeastRuns && std::chrono::duration<double>(now - start).count() > seconds)
             break;
     }
@@ -48,9 +49,8 @@ Grid<float> bank_map(int size, double phase) {
     for (int j = 0; j < size; ++j)
         for (int i = 0; i < size; ++i) {
             const double x = 20.0 * i / size, z = 20.0 * j / size;
-            map(j, i) = float(std::max(
-                0.0, 0.5 + 0.3 * std::sin(x + phase) * std::cos(z) +
-                         0.2 * std::sin(3.1 * z - 2.3 * x + 2 * phase)));
+            map(j, i) = float(std::max(0.0, 0.5 + 0.3 * std::sin(x + phase) * std::cos(z) +
+                                                0.2 * std::sin(3.1 * z - 2.3 * x + 2 * phase)));
         }
     return map;
 }
@@ -83,10 +83,10 @@ Result<void> study_maps(const Gl& gl, double seconds, Facts& rows) {
         for (const auto* time : {&decomposed, &mixed, &uploaded})
             if (!*time) return tl::unexpected(time->error());
         rows.push_back({{"size", size},
-                                     {"levels", like.levels()},
-                                     {"decompose_ms", *decomposed},
-                                     {"mix_ms", *mixed},
-                                     {"textures_ms", *uploaded}});
+                        {"levels", like.levels()},
+                        {"decompose_ms", *decomposed},
+                        {"mix_ms", *mixed},
+                        {"textures_ms", *uploaded}});
     }
     return {};
 }

@@ -8,8 +8,8 @@
 
 namespace wavefog::cli {
 
-/// Each method in every pixel, in reduced pictures of 512x512, 256x256 and 128x128 (the sizes of the
-/// paper's table 1) with both upsamplings, and at vertices (but radial).
+/// Each method in every pixel, in reduced pictures of 512x512, 256x256 and 128x128 (the sizes of
+/// the paper's table 1) with both upsamplings, and at vertices (but radial).
 Result<std::vector<Group>> plan_resolution(const std::vector<BenchScene>& scenes, const Size& size,
                                            const std::vector<Method>& methods);
 

@@ -1,5 +1,5 @@
-// What F(x) F(y) F(z) of paper 001, section 3.2.3, is worth: a product of three integrals is not the
-// integral of the product.
+// What F(x) F(y) F(z) of paper 001, section 3.2.3, is worth: a product of three integrals is not
+// the integral of the product.
 #include <algorithm>
 #include <cmath>
 
@@ -15,8 +15,8 @@ constexpr int kValues = 1024;
 
 /// Perlin noise from 0 to 1 with features of 1 m.
 AxisTable noise_axis(std::uint64_t seed) {
-    const Noise noise = *Noise::create(
-        {.seed = seed, .features = kPeriod, .octaves = 3, .tile = true}, 1);
+    const Noise noise =
+        *Noise::create({.seed = seed, .features = kPeriod, .octaves = 3, .tile = true}, 1);
     AxisTable axis{{}, 0, kPeriod, true};
     for (int i = 0; i <= kValues; ++i)
         axis.values.push_back(noise(double(i % kValues) / kValues, 0.5));
@@ -87,10 +87,14 @@ Figure study_separable() {
         std::array<AxisTable, 3> axes;
         bool level;
     } fogs[] = {
-        {"three noises (its figure 11)", "exact", {noise_axis(1), noise_axis(2), noise_axis(3)},
+        {"three noises (its figure 11)",
+         "exact",
+         {noise_axis(1), noise_axis(2), noise_axis(3)},
          false},
-        {"two noises, exponential height (10)", "paper",
-         {noise_axis(1), height_axis(), noise_axis(3)}, true},
+        {"two noises, exponential height (10)",
+         "paper",
+         {noise_axis(1), height_axis(), noise_axis(3)},
+         true},
         {"cosines in x and z", "march", {wave_axis(), none, wave_axis()}, false},
     };
     for (const auto& fog : fogs) {

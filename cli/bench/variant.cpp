@@ -37,9 +37,9 @@ Result<BenchScene> load_bench_scene(const std::filesystem::path& file) {
     const Facts json = Facts::parse(stream, nullptr, false);
     for (const Facts& fog : json.value("fog", Facts::array())) {
         if (fog.value("model", "wavelet") != "wavelet") continue;
-        const std::string picture =
-            fog.contains("images") ? fog["images"][0].value("image", std::string())
-                                   : fog.value("image", fog.value("file", std::string()));
+        const std::string picture = fog.contains("images")
+                                        ? fog["images"][0].value("image", std::string())
+                                        : fog.value("image", fog.value("file", std::string()));
         result.map_names.push_back(std::filesystem::path(picture).filename().string());
     }
     return result;

@@ -23,7 +23,9 @@ constexpr double kJustMissed = 4;
 constexpr double kMus[] = {1, 0.95, 0.9, 0.8, 0.6, 0.4, 0.2, 0};
 
 // What else runs on the machine only adds: the choice shall not hang on it.
-double least_of(const Samples& ms) { return ms.percentile(0); }
+double least_of(const Samples& ms) {
+    return ms.percentile(0);
+}
 
 }  // namespace
 

@@ -43,10 +43,9 @@ Result<CameraFile> load_camera(const std::filesystem::path& file) {
         const auto json = detail::parse_json(*text, name);
         if (!json) return tl::unexpected(json.error());
         const JsonValue root(*json, name);
-        return CameraFile{
-            detail::read_camera(root, {"depth_values", "measured", "depth_scale", "depth_offset",
-                                       "unmeasured"}),
-            read_depth_values(root)};
+        return CameraFile{detail::read_camera(root, {"depth_values", "measured", "depth_scale",
+                                                     "depth_offset", "unmeasured"}),
+                          read_depth_values(root)};
     } catch (const detail::JsonFailure& failure) {
         return tl::unexpected(failure.error);
     }

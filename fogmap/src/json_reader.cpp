@@ -232,9 +232,10 @@ Wind read_wind(const JsonValue& value) {
         if (v[0] != 0 || v[1] != 0) wind = {v[0], v[1]};
     } else {
         if (items.empty() || !items[0].is_list())
-            value.fail(fmt::format("has {} entries; it must be [vx, vz] in m/s, or a list of [t, vx, "
-                                   "vz] where it changes in time",
-                                   items.size()));
+            value.fail(
+                fmt::format("has {} entries; it must be [vx, vz] in m/s, or a list of [t, vx, "
+                            "vz] where it changes in time",
+                            items.size()));
         for (const JsonValue& item : items) {
             const auto v = item.numbers(3);
             wind.keys.push_back({v[0], v[1], v[2]});

@@ -84,10 +84,11 @@ std::optional<FogSampling> sampling_of(std::string_view text) {
 Result<Method> with_sampling(Method method, std::string_view sampling, const std::string& text) {
     const auto read = sampling_of(sampling);
     if (!read)
-        return usage_error(fmt::format(
-            "method \"{}\": after the @ give a size from 1x1 to {}x{}, with :average or without, or "
-            "vertices; for example exact@256x256",
-            text, kLargestSampling, kLargestSampling));
+        return usage_error(
+            fmt::format("method \"{}\": after the @ give a size from 1x1 to {}x{}, with :average "
+                        "or without, or "
+                        "vertices; for example exact@256x256",
+                        text, kLargestSampling, kLargestSampling));
     method.sampling = *read;
     if (auto ok = check_sampling(method); !ok) return tl::unexpected(ok.error());
     return method;
@@ -183,10 +184,10 @@ Result<Method> parse_method(const std::string& text) {
     } else if (bare && name == "homogeneous") {
         method.kind = MethodKind::homogeneous;
     } else {
-        return usage_error(
-            fmt::format("method \"{}\" does not exist; choose one of: {}; and @WxH, @WxH:average or "
-                        "@vertices behind it",
-                        text, kMethods));
+        return usage_error(fmt::format(
+            "method \"{}\" does not exist; choose one of: {}; and @WxH, @WxH:average or "
+            "@vertices behind it",
+            text, kMethods));
     }
     return method;
 }

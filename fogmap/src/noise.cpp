@@ -33,10 +33,10 @@ Result<void> check(const NoiseOptions& options) {
                    : usage_error(
                          fmt::format("{} is {}; it must be {} to {}", name, value, low, high));
     };
-    for (auto ok : {within("features", options.features, 1, 256),
-                    within("octaves", options.octaves, 1, 16), within("gain", options.gain, 0, 1),
-                    within("lacunarity", options.lacunarity, 2, 8),
-                    within("warp", options.warp, 0, 4)})
+    for (auto ok :
+         {within("features", options.features, 1, 256), within("octaves", options.octaves, 1, 16),
+          within("gain", options.gain, 0, 1), within("lacunarity", options.lacunarity, 2, 8),
+          within("warp", options.warp, 0, 4)})
         if (!ok) return ok;
     return {};
 }
@@ -55,8 +55,7 @@ Noise::Octaves Noise::make_octaves(int count, double aspect, std::uint64_t& stat
         octave.cells = {across, down};
         if (options_.tile && options_.kind == NoiseOptions::Kind::perlin)
             octave.cells[1] = std::max(1.0, std::round(down));
-        for (double& place : octave.elsewhere)
-            place = static_cast<double>(next(state) % kPeriod);
+        for (double& place : octave.elsewhere) place = static_cast<double>(next(state) % kPeriod);
         if (options_.kind == NoiseOptions::Kind::simplex && !options_.tile)
             for (const int axis : {0, 1})
                 octave.elsewhere[axis] = std::fmod(octave.elsewhere[axis], kNear);
@@ -97,7 +96,8 @@ double Noise::at(const Octave& octave, double u, double v) const {
             return {radius * std::cos(angle), radius * std::sin(angle)};
         };
         const Eigen::Array2d a = circle(octave.cells[0], u), b = circle(octave.cells[1], v);
-        return kTorus * glm::simplex(glm::dvec4(e[0] + a[0], e[1] + a[1], e[2] + b[0], e[3] + b[1]));
+        return kTorus *
+               glm::simplex(glm::dvec4(e[0] + a[0], e[1] + a[1], e[2] + b[0], e[3] + b[1]));
     }
     // In double GLM's 1/7 is below 1/7: every seventh gradient is another, and noise reaches 4.
     if (options_.kind == NoiseOptions::Kind::simplex)
@@ -110,15 +110,15 @@ double Noise::at(const Octave& octave, double u, double v) const {
 
 double Noise::sum(const Octaves& octaves, double u, double v) const {
     double sum = 0;
-    for (const Octave& octave : octaves) sum += octave.height * std::clamp(at(octave, u, v), -1.0, 1.0);
+    for (const Octave& octave : octaves)
+        sum += octave.height * std::clamp(at(octave, u, v), -1.0, 1.0);
     return sum;
 }
 
 double Noise::operator()(double u, double v) const {
     if (options_.warp > 0) {
-        const Eigen::Array2d shift =
-            options_.warp / octaves_.front().cells *
-            Eigen::Array2d(sum(warp_u_, u, v), sum(warp_v_, u, v));
+        const Eigen::Array2d shift = options_.warp / octaves_.front().cells *
+                                     Eigen::Array2d(sum(warp_u_, u, v), sum(warp_v_, u, v));
         u += shift[0];
         v += shift[1];
     }

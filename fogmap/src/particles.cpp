@@ -66,8 +66,8 @@ Result<void> ParticleSource::validate() const {
           {opacity > 0 && opacity < 1, "opacity", opacity, "above 0 and below 1"},
           {area >= 0 && std::isfinite(area), "area", area, "0 or more (m)"},
           {speed >= 0 && std::isfinite(speed), "speed", speed, "0 or more (m/s)"},
-          {spread >= 0 && spread <= std::numbers::pi, "spread_deg",
-           spread * 180 / std::numbers::pi, "0 to 180"},
+          {spread >= 0 && spread <= std::numbers::pi, "spread_deg", spread * 180 / std::numbers::pi,
+           "0 to 180"},
           {std::isfinite(lift), "lift", lift, "finite (m/s^2)"},
           {drag >= 0 && drag * step <= 1, "drag", drag, "0 to 1 / step (1/s)"},
           {life[0] >= 1, "life[0]", double(life[0]), "1 or more (steps)"},
@@ -95,8 +95,8 @@ ParticleSystem::State ParticleSystem::born(const ParticleSource& source,
     const double turn = 2 * std::numbers::pi * draws.uniform();
     const double from_axis = 1 - draws.uniform() * (1 - std::cos(source.spread));
     const double speed = source.speed * (0.75 + 0.5 * draws.uniform());
-    state.life = source.life[0] +
-                 static_cast<int>(draws.uniform() * (source.life[1] - source.life[0] + 1));
+    state.life =
+        source.life[0] + static_cast<int>(draws.uniform() * (source.life[1] - source.life[0] + 1));
     const Vector3d side = source.direction.unitOrthogonal();
     const Vector3d across = source.direction.cross(side);
     const double sine = std::sqrt(std::max(1 - from_axis * from_axis, 0.0));
@@ -104,15 +104,13 @@ ParticleSystem::State ParticleSystem::born(const ParticleSource& source,
                               sine * (std::cos(turn) * side + std::sin(turn) * across));
     const double bearing = 2 * std::numbers::pi * draws.uniform();
     const double out = source.area * std::sqrt(draws.uniform());
-    state.position =
-        source.position + out * Vector3d(std::cos(bearing), 0, std::sin(bearing));
+    state.position = source.position + out * Vector3d(std::cos(bearing), 0, std::sin(bearing));
     return state;
 }
 
 void ParticleSystem::advance(const ParticleSource& source, State& state, double part) const {
     const double seconds = part * source.step;
-    const double now =
-        static_cast<double>(state.number) / source.rate + state.steps * source.step;
+    const double now = static_cast<double>(state.number) / source.rate + state.steps * source.step;
     const Eigen::Vector2d wind = source.wind.velocity(now);
     // Constant acceleration: position and velocity go on smoothly from step to step.
     const Vector3d before = state.velocity;
@@ -151,9 +149,9 @@ const std::vector<Particle>& ParticleSystem::at(double seconds) {
             states.push_back(state);
             if (age > whole) advance(source, state, age - whole);
             const double spent = age / state.life;
-            particles_.push_back(
-                {state.position, source.radius[0] + spent * (source.radius[1] - source.radius[0]),
-                 source.opacity * (1 - spent)});
+            particles_.push_back({state.position,
+                                  source.radius[0] + spent * (source.radius[1] - source.radius[0]),
+                                  source.opacity * (1 - spent)});
         }
     }
     return particles_;

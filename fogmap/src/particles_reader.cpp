@@ -28,9 +28,12 @@ ParticleSource read_particles(const JsonValue& value) {
         if (ends.size() != 2) life->fail("must be [least, most] in steps");
         source.life = {ends[0].integer(1, 1 << 20), ends[1].integer(1, 1 << 20)};
     }
-    for (const auto& [key, field] :
-         {std::pair{"area", &source.area}, {"speed", &source.speed}, {"step", &source.step},
-          {"opacity", &source.opacity}, {"lift", &source.lift}, {"drag", &source.drag}})
+    for (const auto& [key, field] : {std::pair{"area", &source.area},
+                                     {"speed", &source.speed},
+                                     {"step", &source.step},
+                                     {"opacity", &source.opacity},
+                                     {"lift", &source.lift},
+                                     {"drag", &source.drag}})
         if (const auto found = value.find(key)) *field = found->number();
     if (const auto wind = value.find("wind")) source.wind = read_wind(*wind);
     if (const auto seed = value.find("seed"))

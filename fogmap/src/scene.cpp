@@ -152,8 +152,8 @@ MapSequence read_sequence(const JsonValue& value, const fs::path& directory) {
 /// A map that changes is also added to `sequences`.
 Fog read_fog(const JsonValue& value, const fs::path& directory,
              std::vector<MapSequence>& sequences) {
-    value.only({"model", "image", "images", "file", "channel", "basis", "family", "form", "levels", "rect",
-                "extinction", "height", "wind", "wrap", "sanitize", "channels"});
+    value.only({"model", "image", "images", "file", "channel", "basis", "family", "form", "levels",
+                "rect", "extinction", "height", "wind", "wrap", "sanitize", "channels"});
     const auto file = value.find("file");
     const bool changes = value.find("images").has_value();
     if (int(file.has_value()) + int(changes) + int(value.find("image").has_value()) != 1)
@@ -179,7 +179,8 @@ Fog read_fog(const JsonValue& value, const fs::path& directory,
         fog.extinction = extinction->number(0, kInfinity);
     if (const auto height = value.find("height")) fog.profile = detail::read_profile(*height);
     if (const auto wind = value.find("wind")) fog.wind = detail::read_wind(*wind);
-    if (const auto channels = value.find("channels")) fog.channels = detail::read_channels(*channels);
+    if (const auto channels = value.find("channels"))
+        fog.channels = detail::read_channels(*channels);
     if (const auto ok = fog.validate(); !ok) value.fail(ok.error().message);
     return fog;
 }
@@ -291,9 +292,9 @@ Result<SceneFogs> load_fogs(const fs::path& file, LoadNotes* notes) {
     if (detail::lower_extension(file) == ".json") {
         auto scene = load_scene(file);
         if (!scene) return tl::unexpected(scene.error());
-        return SceneFogs{std::move(scene->fogs), std::move(scene->models),
+        return SceneFogs{std::move(scene->fogs),        std::move(scene->models),
                          std::move(scene->model_winds), std::move(scene->sequences),
-                         std::move(scene->particles), std::move(scene->terrain),
+                         std::move(scene->particles),   std::move(scene->terrain),
                          std::move(scene->meshes)};
     }
     const auto map = read_fogmap(file);

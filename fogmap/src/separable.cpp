@@ -28,7 +28,7 @@ struct Line {
         if (table->repeat) u -= cells * std::floor(u / cells);
         u = std::clamp(u, 0.0, cells);
         const double cell = std::min(std::floor(u), cells - 1);
-        const double *v = &table->values[static_cast<std::size_t>(cell)];
+        const double* v = &table->values[static_cast<std::size_t>(cell)];
         return v[0] + (u - cell) * (v[1] - v[0]);
     }
 
@@ -125,8 +125,7 @@ double extinction_at(const Separable& fog, const Vector3d& x) {
 
 double mean_extinction(const Separable& fog, const Vector3d& start, const Vector3d& path) {
     const auto lines = lines_of(fog, start, path);
-    if (fog.integral == Separable::Integral::exact)
-        return fog.extinction * mean_of_product(lines);
+    if (fog.integral == Separable::Integral::exact) return fog.extinction * mean_of_product(lines);
     return fog.extinction * lines[0].mean() * lines[1].mean() * lines[2].mean();
 }
 

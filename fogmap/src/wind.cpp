@@ -29,7 +29,8 @@ Vector2d metres_from_first(const std::vector<Wind::Key>& keys, double seconds) {
     for (std::size_t i = 0; i + 1 < keys.size(); ++i) {
         const Wind::Key &a = keys[i], &b = keys[i + 1];
         const double end = std::min(seconds, b.seconds);
-        const Vector2d at_end = velocity_of(a) + share(a, b, end) * (velocity_of(b) - velocity_of(a));
+        const Vector2d at_end =
+            velocity_of(a) + share(a, b, end) * (velocity_of(b) - velocity_of(a));
         sum += (velocity_of(a) + at_end) / 2 * (end - a.seconds);
         if (seconds <= b.seconds) return sum;
     }
@@ -95,9 +96,9 @@ FogModel moved(const FogModel& model, const Vector3d& metres) {
                 for (auto& term : fog.terms) {
                     const bool repeat = term.outside == Polynomials::Outside::repeat;
                     if (repeat)
-                        term.centre += within_period(metres.dot(term.direction),
-                                                     2 * term.half_width) *
-                                       term.direction;
+                        term.centre +=
+                            within_period(metres.dot(term.direction), 2 * term.half_width) *
+                            term.direction;
                     else
                         term.centre += metres;
                 }

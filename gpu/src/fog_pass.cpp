@@ -125,7 +125,7 @@ struct FogPass::Impl {
     std::vector<ModelPass> models;        ///< draw last; one for each set of channels
     bool with_particles = false;          ///< in the first of them
     bool coloured = false;
-    std::optional<SampledFog> sampled;      ///< unless every pixel has its own fog
+    std::optional<SampledFog> sampled;        ///< unless every pixel has its own fog
     const SceneRenderer* vertices = nullptr;  ///< of the scene, where fog is computed at them
     Buffer fog_uniforms, view_uniforms, paper_uniforms, radial_uniforms;
     VertexArray no_attributes;
@@ -227,7 +227,9 @@ struct FogPass::Impl {
     void draw_all(const FrameTarget& frame, const Camera& camera, GLuint output, double seconds,
                   bool colour) {
         if (models.empty()) return draw_maps(frame, camera, output, seconds, colour);
-        const auto before = [&](ModelPass& pass) { return pass.maps_target(frame, vertex_depth()); };
+        const auto before = [&](ModelPass& pass) {
+            return pass.maps_target(frame, vertex_depth());
+        };
         if (!fogs.empty()) draw_maps(frame, camera, before(models.front()), seconds, false);
         for (std::size_t i = 0; i < models.size(); ++i) {
             const bool last = i + 1 == models.size();
@@ -256,10 +258,10 @@ struct FogPass::Impl {
             gl.BindFramebuffer(GL_FRAMEBUFFER, last ? output : partial[i % 2].framebuffer.name());
             const Programs& used = radial && !shared_eye ? orthographic : programs;
             gl.UseProgram(last && colour ? used.last_colour.name() : used.add_tau[i].name());
-            upload_uniforms(gl, view_uniforms, kViewBinding,
-                            view_block(matrices, camera, frame.width, frame.height, fog_colour,
-                                       method.samples,
-                                       fogs.empty() ? kAllChannels : fogs[i]->impl_->facts.channels));
+            upload_uniforms(
+                gl, view_uniforms, kViewBinding,
+                view_block(matrices, camera, frame.width, frame.height, fog_colour, method.samples,
+                           fogs.empty() ? kAllChannels : fogs[i]->impl_->facts.channels));
             if (!fogs.empty()) {
                 const auto& fog = *fogs[i]->impl_;
                 upload_uniforms(
@@ -317,10 +319,11 @@ Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fo
     if (auto ok = check_sampling(method); !ok) return tl::unexpected(ok.error());
     if (method.sampling.vertices) {
         if (with_particles)
-            return usage_error(fmt::format(
-                "method {}: particles are listed by pixels of the screen; use a reduced picture such "
-                "as exact@256x256",
-                method.name()));
+            return usage_error(
+                fmt::format("method {}: particles are listed by pixels of the screen; use a "
+                            "reduced picture such "
+                            "as exact@256x256",
+                            method.name()));
         if (!scene)
             return usage_error(fmt::format(
                 "method {}: there are no vertices, only a picture; use a reduced one such as "

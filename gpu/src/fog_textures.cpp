@@ -60,7 +60,9 @@ Result<FogTextures> FogTextures::create(const Gl& gl, const Fog& fog) {
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
     upload(gl, *impl, pyramid, atlas);
-    impl->bytes = (atlas.texels.size() + static_cast<std::size_t>(pyramid.levels.back().values.size())) * sizeof(float);
+    impl->bytes =
+        (atlas.texels.size() + static_cast<std::size_t>(pyramid.levels.back().values.size())) *
+        sizeof(float);
     if (const GLenum error = gl.GetError(); error != GL_NO_ERROR)
         return data_error(
             fmt::format("fog: the context refused {} bytes of textures (GL error 0x{:x}); "

@@ -35,8 +35,8 @@ int profile_number(const Profile& profile);
 
 /// The walk stops at this optical depth: T below 2^-21, a quarter of the accuracy that is promised.
 inline constexpr double kStopOpticalDepth = 14.6;
-/// The share of the colour that sees least of a fog, but some; at most 1. What ends a walk is divided
-/// by it.
+/// The share of the colour that sees least of a fog, but some; at most 1. What ends a walk is
+/// divided by it.
 double least_share(const Channels& channels);
 
 /// FOG_ETA_MAX of fog_ray.glsl: the exponential profile is negligible above.
@@ -47,8 +47,8 @@ inline constexpr double kEtaMax = 40;
 shader::FogBlock fog_block(const FogFacts& fog, const Eigen::Vector3d& eye, double mu,
                            double seconds, double sky_limit);
 
-/// Directions of a perspective camera's rays: the columns times x, y and 1, x and y twice the pixel's
-/// coordinates (its middle) less the size.
+/// Directions of a perspective camera's rays: the columns times x, y and 1, x and y twice the
+/// pixel's coordinates (its middle) less the size.
 Eigen::Matrix3d pixel_directions(const CameraMatrices& matrices, int width, int height);
 
 /// Coefficients of x, y and 1 as there, in two parts for float32: products and sums of the high

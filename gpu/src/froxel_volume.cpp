@@ -274,7 +274,8 @@ Result<void> FroxelVolume::make_programs() {
         return connect(
             *gl_, build_program(*gl_, "post_fullscreen.vert", "froxel_apply.frag", defines), false);
     };
-    auto integrate = connect(*gl_, build_compute_program(*gl_, "froxel_integrate.comp", channels), true);
+    auto integrate =
+        connect(*gl_, build_compute_program(*gl_, "froxel_integrate.comp", channels), true);
     auto colour = apply({}), tau = apply({"FROXEL_OUTPUT_TAU"});
     for (auto* program : {&integrate, &colour, &tau})
         if (!*program) return tl::unexpected(program->error());

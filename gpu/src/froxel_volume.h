@@ -26,15 +26,15 @@ struct FroxelFog {
 /// doubled, edges follow the tiles. The rule of mu does not apply.
 class FroxelVolume {
   public:
-    /// At least one fog. `coloured`: their channels count. A data error says when the context cannot
-    /// hold the volume.
+    /// At least one fog. `coloured`: their channels count. A data error says when the context
+    /// cannot hold the volume.
     static Result<FroxelVolume> create(const Gl& gl, std::vector<FroxelFog> fogs,
                                        const Method& method, const Eigen::Vector3d& fog_colour,
                                        bool coloured);
 
     /// Builds the volume for this camera, then draws the frame with it into `output`: colour, or
-    /// the optical depth -log(T), at most 16.7 because T is stored as half floats; if coloured that of
-    /// red, green and blue.
+    /// the optical depth -log(T), at most 16.7 because T is stored as half floats; if coloured that
+    /// of red, green and blue.
     void draw(const FrameTarget& frame, const Camera& camera, GLuint output, double seconds,
               bool colour) const;
 
@@ -56,7 +56,7 @@ class FroxelVolume {
     std::vector<Program> density_;  ///< one a fog
     Program integrate_, apply_colour_, apply_tau_;
     Texture extinction_;  ///< R32F, coloured RGBA32F, 1/m
-    Texture volume_;      ///< RGBA16F, in-scattered light and transmittance, coloured three of these
+    Texture volume_;  ///< RGBA16F, in-scattered light and transmittance, coloured three of these
     Buffer fog_uniforms_, froxel_uniforms_;
     VertexArray vertices_;
 };

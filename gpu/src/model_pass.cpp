@@ -10,9 +10,8 @@ namespace {
 
 constexpr GLuint kModelBinding = 0, kViewBinding = 1;
 // Texture units of the samplers of fog_pass.frag that this pass reads.
-constexpr UnitOf kSamplers[] = {{"scene_depth", 0}, {"scene_colour", 1}, {"previous_tau", 2},
-                                 {"model_tables", 3}, {"particle_tiles", 4},
-                                 {"particle_list", 5}};
+constexpr UnitOf kSamplers[] = {{"scene_depth", 0},  {"scene_colour", 1},   {"previous_tau", 2},
+                                {"model_tables", 3}, {"particle_tiles", 4}, {"particle_list", 5}};
 constexpr BindingOf kBlocks[] = {{"ModelBlock", kModelBinding}, {"ViewBlock", kViewBinding}};
 
 std::vector<std::string> defines_of(bool after_maps, bool coloured, bool particles) {
@@ -96,8 +95,7 @@ GLuint ModelPass::maps_target(const FrameTarget& frame, GLuint depth) {
     return maps_framebuffer_.name();
 }
 
-void ModelPass::draw(const FrameTarget& frame, const Camera& camera, GLuint output,
-                     bool colour) {
+void ModelPass::draw(const FrameTarget& frame, const Camera& camera, GLuint output, bool colour) {
     const Gl& gl = *gl_;
     const auto matrices = camera_matrices(camera, frame.width, frame.height);
     const Eigen::Matrix3d directions = pixel_directions(matrices, frame.width, frame.height);

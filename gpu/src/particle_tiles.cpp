@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kLeastTile = 16;    // pixels
+constexpr int kLeastTile = 16;                 // pixels
 constexpr std::size_t kMostEntries = 1 << 22;  // 128 MiB of list
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Rays and tiles are rounded to float: tiles this much of a pixel away count too.
@@ -21,8 +21,8 @@ struct Span {
 };
 
 /// NDC of everything within `radius` of a point, along one axis of the screen, by its view
-/// coordinates `side` and `ahead`: the tangents of a circle from the eye. `scale` and `shift` give NDC
-/// from side / ahead. Rays lead forwards.
+/// coordinates `side` and `ahead`: the tangents of a circle from the eye. `scale` and `shift` give
+/// NDC from side / ahead. Rays lead forwards.
 Span perspective_span(double side, double ahead, double radius, double scale, double shift) {
     const double distance = std::hypot(side, ahead);
     if (distance <= radius) return {-kInfinity, kInfinity};
@@ -143,15 +143,16 @@ int ParticleTextures::upload(const Camera& camera, const CameraMatrices& matrice
     if (rows > rows_ || rows_ == 0) {
         // Room to grow, so that few frames allocate.
         rows_ = std::max(rows + rows / 2, 1);
-        list_ = make_texture_2d(gl, GL_RGBA32F, kParticleListWidth, rows_, GL_RGBA, GL_FLOAT, nullptr);
+        list_ =
+            make_texture_2d(gl, GL_RGBA32F, kParticleListWidth, rows_, GL_RGBA, GL_FLOAT, nullptr);
     }
     gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
     gl.BindTexture(GL_TEXTURE_2D, tiles_.name());
     gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, across_, up_, GL_RG, GL_FLOAT, table.data());
     if (rows > 0) {
         gl.BindTexture(GL_TEXTURE_2D, list_.name());
-        gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, kParticleListWidth, rows, GL_RGBA,
-                         GL_FLOAT, list.data());
+        gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, kParticleListWidth, rows, GL_RGBA, GL_FLOAT,
+                         list.data());
     }
     gl.BindTexture(GL_TEXTURE_2D, 0);
     return made.side;

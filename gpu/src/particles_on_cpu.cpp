@@ -32,16 +32,14 @@ double ParticlesOnCpu::optical_depth(const Eigen::Vector3d& o, const Eigen::Vect
     const double metres = path.norm();
     const auto vec4 = [](const Eigen::Vector3f& v) { return glm::vec4(v.x(), v.y(), v.z(), 0); };
     const Eigen::Vector3d direction = metres > 0 ? path / metres : path;
-    // The middle pixel of a picture, which looks along the path. Not high = float(direction): at -O2
-    // GCC 12 takes direction - double(float(direction)) for 0 where it vectorises.
-    const Eigen::Vector3d high =
-        (direction * double(PARTICLE_DIRECTION_STEPS)).array().round() /
-        double(PARTICLE_DIRECTION_STEPS);
+    // The middle pixel of a picture, which looks along the path. Not high = float(direction): at
+    // -O2 GCC 12 takes direction - double(float(direction)) for 0 where it vectorises.
+    const Eigen::Vector3d high = (direction * double(PARTICLE_DIRECTION_STEPS)).array().round() /
+                                 double(PARTICLE_DIRECTION_STEPS);
     shader::view.ray_high[2] = vec4(high.cast<float>());
     shader::view.ray_low[2] = vec4((direction - high).cast<float>());
     return shader::fog_particles(glm::ivec2(0), glm::vec3(0.0f), vec4(path.cast<float>()),
-                                 static_cast<float>(metres), {0, 0, 1},
-                                 static_cast<float>(metres));
+                                 static_cast<float>(metres), {0, 0, 1}, static_cast<float>(metres));
 }
 
 }  // namespace wavefog

@@ -59,8 +59,8 @@ Result<SampledFog> SampledFog::create(const Gl& gl, const FogSampling& sampling,
                                 : std::vector<std::string>{});
             !ok)
             return tl::unexpected(ok.error());
-    std::vector<std::string> defines = {
-        "FOG_UPSAMPLE " + std::to_string(upsample_number(sampling))};
+    std::vector<std::string> defines = {"FOG_UPSAMPLE " +
+                                        std::to_string(upsample_number(sampling))};
     if (coloured) defines.push_back("FOG_CHANNELS");
     if (auto ok = build(fog.colour_, "fog_upsample.frag", defines); !ok)
         return tl::unexpected(ok.error());
@@ -80,7 +80,8 @@ FogView SampledFog::view(const FogView& frame) const {
     reduced.width = std::min(sampling_.width, frame.width);
     reduced.height = std::min(sampling_.height, frame.height);
     // The picture keeps its shape, so that its pixels change theirs.
-    reduced.camera.pixel_aspect *= double(frame.width) / reduced.width * reduced.height / frame.height;
+    reduced.camera.pixel_aspect *=
+        double(frame.width) / reduced.width * reduced.height / frame.height;
     return reduced;
 }
 

@@ -6,8 +6,8 @@
 
 namespace wavefog {
 
-/// A reduced picture of the frame's depth, and the pass that brings the optical depth of its pixels,
-/// or of vertices, to the frame.
+/// A reduced picture of the frame's depth, and the pass that brings the optical depth of its
+/// pixels, or of vertices, to the frame.
 class SampledFog {
   public:
     static Result<SampledFog> create(const Gl& gl, const FogSampling& sampling, bool coloured,

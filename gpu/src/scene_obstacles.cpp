@@ -40,9 +40,8 @@ class TriangleGrid {
         for (std::size_t i = 0; i < triangles_.size(); ++i) {
             Eigen::AlignedBox3d box;
             extend(box, triangles_[i]);
-            for_squares(box, [&](std::size_t square) {
-                squares_[square].push_back(static_cast<int>(i));
-            });
+            for_squares(
+                box, [&](std::size_t square) { squares_[square].push_back(static_cast<int>(i)); });
         }
     }
 
@@ -96,10 +95,10 @@ std::optional<Contact> ground_contact(const HeightField& field, const Vector3d& 
     Vector3d point = from + before / (before - over) * (to - from);
     point.y() = field.height(point.x(), point.z());
     constexpr double kApart = 0.1;  // metres
-    const double slope_x = field.height(point.x() + kApart, point.z()) -
-                           field.height(point.x() - kApart, point.z());
-    const double slope_z = field.height(point.x(), point.z() + kApart) -
-                           field.height(point.x(), point.z() - kApart);
+    const double slope_x =
+        field.height(point.x() + kApart, point.z()) - field.height(point.x() - kApart, point.z());
+    const double slope_z =
+        field.height(point.x(), point.z() + kApart) - field.height(point.x(), point.z() - kApart);
     return Contact{point, Vector3d(-slope_x, 2 * kApart, -slope_z).normalized()};
 }
 
@@ -143,8 +142,8 @@ Result<Obstacle> scene_obstacles(const std::optional<Terrain>& terrain,
     return Obstacle([field, grid](const Vector3d& from, const Vector3d& to) {
         const auto mesh = grid ? grid->contact(from, to) : std::nullopt;
         // What lies behind a triangle is not reached.
-        const auto ground = field ? ground_contact(*field, from, mesh ? mesh->point : to)
-                                  : std::nullopt;
+        const auto ground =
+            field ? ground_contact(*field, from, mesh ? mesh->point : to) : std::nullopt;
         return ground ? ground : mesh;
     });
 }

@@ -32,7 +32,8 @@ struct TerrainOnGpu {
 
 /// The longest side of the triangles.
 template <class Vertex>
-double longest_edge(const std::vector<Vertex>& vertices, const std::vector<std::uint32_t>& indices) {
+double longest_edge(const std::vector<Vertex>& vertices,
+                    const std::vector<std::uint32_t>& indices) {
     const auto at = [&](std::size_t i) {
         return Eigen::Map<const Eigen::Vector3f>(vertices[indices[i]].position);
     };
@@ -239,7 +240,8 @@ void SceneRenderer::Impl::draw_sky(const FrameTarget& target, const Camera& came
     gl->Enable(GL_DEPTH_TEST);
 }
 
-// clip_from_eye() is the view's turn alone: the eye is subtracted from each object's origin in double.
+// clip_from_eye() is the view's turn alone: the eye is subtracted from each object's origin in
+// double.
 void SceneRenderer::Impl::draw_terrain(GLuint program, const CameraMatrices& matrices,
                                        const Vector3d& eye) const {
     set_uniform(*gl, program, "clip_from_eye", clip_from_eye(matrices));

@@ -27,7 +27,8 @@ void write_scene(const Workspace& work, const std::string& method = "radial") {
                  [{"extinction": 0.004, "direction": [1, 0, 0], "frequency": 0.4}]},
                 {"model": "particles", "source": "smoke", "position": [0, 6, 0], "spread_deg": 30,
                  "rate": 30, "radius": [0.5, 3], "wind": [1, 0], "drag": 0.5}],
-        "method": {"name": ")" + method + R"("}})");
+        "method": {"name": ")" + method +
+                                      R"("}})");
 }
 
 RunResult animate(const Workspace& work, const std::string& frames, const std::string& pattern,

@@ -65,8 +65,8 @@ TEST_CASE("bench --preset motion: each size and each number of particles has its
 TEST_CASE("bench: particles are in the pictures and in their truth") {
     const Workspace work;
     write_scene(work, std::string(", ") + kParticles);
-    const RunResult run = work.run({"bench", "scene.json", "-o", "out", "--frames", "1", "--methods",
-                                    "exact,radial:step,paper-scaling,froxel:16x12x8"});
+    const RunResult run = work.run({"bench", "scene.json", "-o", "out", "--frames", "1",
+                                    "--methods", "exact,radial:step,paper-scaling,froxel:16x12x8"});
     REQUIRE_MESSAGE(run.status == 0, run.err);
     const json stored = json::parse(work.read_text("out/results.json"));
     CHECK(worst(stored, "exact") <= 2e-6);
@@ -93,8 +93,9 @@ TEST_CASE("fit: particles stay in the scene, which keeps its promise with them")
     CHECK(small["fog"][1] == json::parse(kParticles));
     // Both drawn by the reference's rays: the error is that of the map.
     for (const auto& [scene, method] : {std::pair{"scene", "reference"}, {"small", ""}}) {
-        std::vector<std::string> arguments = {"render", std::string(scene) + ".json", "-o", "p.exr",
-                                              "--transmittance", std::string(scene) + ".T.exr"};
+        std::vector<std::string> arguments = {
+            "render",          std::string(scene) + ".json", "-o", "p.exr",
+            "--transmittance", std::string(scene) + ".T.exr"};
         if (*method) arguments.insert(arguments.end(), {"--method", method, "--mu", "1"});
         REQUIRE(work.run(arguments).status == 0);
     }

@@ -131,7 +131,8 @@ TEST_CASE("render: fog in a reduced picture and at vertices, by flag and by the 
     write_scene(work, R"({"name": "exact@24x16"})");
     CHECK(difference(transmittance(work, {})) == fine);
     work.write_text("rays.csv", "0,2,0,30,2,0\n");
-    for (const std::string method : {"froxel:8x8x8@24x16", "radial@vertices", "exact@24", "reference@24x16"}) {
+    for (const std::string method :
+         {"froxel:8x8x8@24x16", "radial@vertices", "exact@24", "reference@24x16"}) {
         CAPTURE(method);
         const RunResult run =
             work.run({"render", "scene.json", "-o", "none.png", "--method", method});
@@ -139,8 +140,8 @@ TEST_CASE("render: fog in a reduced picture and at vertices, by flag and by the 
         CHECK(run.err.find("method \"" + method + "\"") != std::string::npos);
         CHECK_FALSE(work.files().contains("none.png"));
     }
-    const RunResult probe = work.run({"probe", "scene.json", "--rays", "rays.csv", "-o", "none.csv",
-                                      "--method", "exact@24x16"});
+    const RunResult probe = work.run(
+        {"probe", "scene.json", "--rays", "rays.csv", "-o", "none.csv", "--method", "exact@24x16"});
     CHECK(probe.status == 2);
     CHECK(probe.err.find("no pixels") != std::string::npos);
 }

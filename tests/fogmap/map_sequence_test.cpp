@@ -65,8 +65,9 @@ TEST_CASE("sequences: optical depth is linear between two keys, and a frame know
     CHECK(load(R"({"time": 1, "image": "a.exr"}, {"time": 1, "image": "b.exr"})")
               .error()
               .message.find("fog[1].images[1].time: is not after") != std::string::npos);
-    CHECK(load(R"({"time": 1, "image": "none.exr"})").error().message.find("fog[1].images[0].image") !=
-          std::string::npos);
+    CHECK(load(R"({"time": 1, "image": "none.exr"})")
+              .error()
+              .message.find("fog[1].images[0].image") != std::string::npos);
     const auto odd = load(R"({"time": 1, "image": "a.exr"}, {"time": 2, "image": "wide.exr"})");
     REQUIRE(odd.has_value());
     Fog fog = odd->fogs[0];

@@ -53,8 +53,9 @@ TEST_CASE("noise: it is bounded, of mean about 0, continuous, and seeds differ")
         CHECK(std::abs(mean) < 0.25 * std::sqrt(power));
         CHECK(std::abs(product) < 0.3 * power);
         CHECK(power > 0.01);
-        // A slope of 8 for each of 16 features and 6 octaves is beyond any lattice noise. GLM's simplices
-        // reach 0.1 (of a squared distance) into each other, which leaves steps of 42 * 0.1^4 and less.
+        // A slope of 8 for each of 16 features and 6 octaves is beyond any lattice noise. GLM's
+        // simplices reach 0.1 (of a squared distance) into each other, which leaves steps of 42 *
+        // 0.1^4 and less.
         CHECK(step < (kind == NoiseOptions::Kind::perlin ? 1e-7 * 8 * 16 * 6 : 3 * 42e-4));
     }
 }

@@ -85,8 +85,7 @@ TEST_CASE("separable: both integrals agree along an axis and with one table, not
         one.axes[0].values.clear();
         one.axes[2].values.clear();
         CHECK(tau(published(one), o, p) == doctest::Approx(tau(exact(one), o, p)));
-        most = std::max(most,
-                        std::abs(tau(published(fog), o, p) / tau(exact(fog), o, p) - 1));
+        most = std::max(most, std::abs(tau(published(fog), o, p) / tau(exact(fog), o, p) - 1));
         // The half way there and the half way on do not make the way as published.
         const Vector3d m = (o + p) / 2;
         CHECK(tau(exact(fog), o, m) + tau(exact(fog), m, p) ==
@@ -189,7 +188,8 @@ TEST_CASE("channels: scenes give them to maps and formulas, and mistakes name th
               expected);
         CHECK(coloured(scene->fogs, scene->models));
         for (const auto& [channels, message] :
-             {std::pair{"[1, 1]}", "fog[0].channels: "}, {"[0, 0, 0]}", "no colour sees the fog"},
+             {std::pair{"[1, 1]}", "fog[0].channels: "},
+              {"[0, 0, 0]}", "no colour sees the fog"},
               {"[1, -0.5, 0]}", "channels is [1, -0.5, 0]; each must be 0 or more"}}) {
             const auto bad = load(dir, fog + channels);
             REQUIRE_FALSE(bad.has_value());

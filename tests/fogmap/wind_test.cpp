@@ -106,11 +106,12 @@ TEST_CASE("wind: 600 frames of every model, direct or step by step, from time 0 
             }
             const FogModel direct = models_at({model}, {wind}, start + 25).front();
             // Stepping rounds a place 600 times: of less than 100 m to 1e-14 m, of 1e6 m to 1e-10 m
-            // (and each step, a difference of such places, to as much). Fog changes by less than 0.1/m
-            // a metre, on rays of up to 140 m.
+            // (and each step, a difference of such places, to as much). Fog changes by less than
+            // 0.1/m a metre, on rays of up to 140 m.
             const double rounding = start == 0 ? 1e-14 : 2e-10;
-            const Vector3d there =
-                std::holds_alternative<Potentials>(model) ? ground(wind.offset(start)) : Vector3d(0, 0, 0);
+            const Vector3d there = std::holds_alternative<Potentials>(model)
+                                       ? ground(wind.offset(start))
+                                       : Vector3d(0, 0, 0);
             CAPTURE(kind_name(model));
             CAPTURE(start);
             for (const auto& [o, p] : segments)
@@ -128,7 +129,11 @@ TEST_CASE("wind: what repeats comes back after 1e6 s without a digit lost") {
                            random_table(random, 33, -11.7, 28.3, true)},
                           Separable::Integral::exact};
     Polynomials waves;
-    waves.terms.push_back({0.02, {0.8, -1, 0, 0, 0, 1}, {0.6, 0, -0.8}, {1.7, 0, 3.1}, 10,
+    waves.terms.push_back({0.02,
+                           {0.8, -1, 0, 0, 0, 1},
+                           {0.6, 0, -0.8},
+                           {1.7, 0, 3.1},
+                           10,
                            Polynomials::Outside::repeat});
     for (const FogModel& model : {FogModel(table), FogModel(waves)})
         for (const Vector3d& part : {Vector3d(0, 0, 0), Vector3d(12.5, 0, -6.25)}) {

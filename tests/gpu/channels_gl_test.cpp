@@ -1,4 +1,5 @@
-// Fogs that red, green and blue see differently (paper 001, eq. 9), on OSMesa against the reference.
+// Fogs that red, green and blue see differently (paper 001, eq. 9), on OSMesa against the
+// reference.
 #include <doctest/doctest.h>
 
 #include "fogmap/fog_support.h"
@@ -34,11 +35,11 @@ Errors draw(const Gl& gl, const Camera& camera, FogPass& pass, const std::vector
                 rays.channel_depths(maps, rays.at(x, y, double(depth)), 1, models);
             for (int c = 0; c < 3; ++c) {
                 const double t = std::exp(-truth[c]);
-                errors.transmittance = std::max(
-                    errors.transmittance, std::abs(std::exp(-double(tau.at(x, y, c))) - t));
-                errors.colour =
-                    std::max(errors.colour, std::abs(double(colour.at(x, y, c)) -
-                                                     (t * 0.25 + (1 - t) * fog_colour[c])));
+                errors.transmittance = std::max(errors.transmittance,
+                                                std::abs(std::exp(-double(tau.at(x, y, c))) - t));
+                errors.colour = std::max(
+                    errors.colour,
+                    std::abs(double(colour.at(x, y, c)) - (t * 0.25 + (1 - t) * fog_colour[c])));
             }
         }
     return errors;
@@ -82,8 +83,8 @@ TEST_CASE("channels: maps and formulas, alone and together, with every way to dr
         }
     // A table of directions is as coarse for each channel as for all.
     const Camera camera = camera_cases().front().camera;
-    auto radial = FogPass::create(gl, map_sets[2], *parse_method("radial"), fog_colour,
-                                  model_sets[2]);
+    auto radial =
+        FogPass::create(gl, map_sets[2], *parse_method("radial"), fog_colour, model_sets[2]);
     REQUIRE_MESSAGE(radial.has_value(), (radial ? "" : radial.error().message));
     CHECK_LE(draw(gl, camera, *radial, reference_sets[2], model_sets[2], fog_colour).transmittance,
              5e-3);
@@ -136,9 +137,9 @@ TEST_CASE("channels: froxels err for each colour as they do for a fog seen by al
         CHECK_LE(worst, 0x1p-11);
     }
     // The picture is what those depths make of it, its light told by half floats of T.
-    CHECK_LE(draw(gl, camera, all, {Reference(reddish), Reference(bluish)}, {layer}, fog_colour)
-                 .colour,
-             0.03);
+    CHECK_LE(
+        draw(gl, camera, all, {Reference(reddish), Reference(bluish)}, {layer}, fog_colour).colour,
+        0.03);
 }
 
 TEST_CASE("channels: formulas can be moved while their channels stay") {

@@ -57,7 +57,8 @@ TEST_CASE("depth pictures: metres and inverse metres, along the axis and from th
     using Kind = DepthValues::Kind;
     using Measured = DepthValues::Measured;
     Random random(61);
-    for (const auto projection : {Camera::Projection::perspective, Camera::Projection::orthographic})
+    for (const auto projection :
+         {Camera::Projection::perspective, Camera::Projection::orthographic})
         for (const Kind kind : {Kind::metres, Kind::inverse})
             for (const Measured measured : {Measured::axis, Measured::distance})
                 for (const double scale : {1.0, 65.535})
@@ -138,8 +139,11 @@ TEST_CASE("depth pictures: a stereo pair's disparities, and what one eye does no
     CameraFile file = camera_file(Kind::inverse, DepthValues::Measured::axis, 60);
     file.depth.offset = 10;
     const float near = 60.0f / 2 - 10, far = 60.0f / 5 - 10, hole = kInfinity;
-    const Image values{5, 3, 1, {hole, near, hole, far, hole, hole, hole, hole, hole, hole,
-                                 near, hole, -10, hole, near}};
+    const Image values{
+        5,
+        3,
+        1,
+        {hole, near, hole, far, hole, hole, hole, hole, hole, hole, near, hole, -10, hole, near}};
     const auto metres_of = [&](const DepthPicture& picture, int x, int y) {
         const PixelRays rays(picture.camera, 5, 3);
         const PixelRay ray = rays.at(x, y, double(picture.depth.at(x, y, 0)));
@@ -148,8 +152,8 @@ TEST_CASE("depth pictures: a stereo pair's disparities, and what one eye does no
             .dot((picture.camera.target - picture.camera.eye).normalized());
     };
     for (const bool fill : {false, true}) {
-        file.depth.unmeasured = fill ? DepthValues::Unmeasured::neighbours
-                                     : DepthValues::Unmeasured::background;
+        file.depth.unmeasured =
+            fill ? DepthValues::Unmeasured::neighbours : DepthValues::Unmeasured::background;
         const auto picture = depth_for_fog(values, file);
         REQUIRE_MESSAGE(picture.has_value(), (picture ? "" : picture.error().message));
         CHECK(picture->unmeasured == 10);

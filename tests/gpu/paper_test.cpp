@@ -130,8 +130,7 @@ TEST_CASE("paper: the perimeter layout errs by O(1/N)") {
             CAPTURE(degree);
             CAPTURE(samples);
             const double error = largest_error(
-                fog,
-                {.kind = MethodKind::paper, .table = samples, .layout = PathLayout::perimeter},
+                fog, {.kind = MethodKind::paper, .table = samples, .layout = PathLayout::perimeter},
                 all);
             // stability.md 7: up to 0.25 / N of a cell a chord, with half-texel samples; extinction
             // 0.05 / m and cells of about 1 m on some 60 steps.

@@ -14,17 +14,16 @@ using Eigen::Vector3d;
 
 namespace {
 
-// Beside rays places are exact; where surfaces end them, and without perspective, float32 rounds 100 m
-// to 100 * 2^-24 m, twice: with radii from 3 m 4e-6 of a radius, times opacities of 0.2.
+// Beside rays places are exact; where surfaces end them, and without perspective, float32 rounds
+// 100 m to 100 * 2^-24 m, twice: with radii from 3 m 4e-6 of a radius, times opacities of 0.2.
 constexpr double kMaxError = 2e-6;
 
 std::vector<Particle> random_particles(Random& random, int count, double opacity) {
     std::vector<Particle> particles;
     for (int i = 0; i < count; ++i) {
         const double x = random.uniform(-30, 30), y = random.uniform(-3, 12);
-        particles.push_back({{x, y, random.uniform(-30, 30)},
-                             random.uniform(3, 9),
-                             opacity * random.uniform()});
+        particles.push_back(
+            {{x, y, random.uniform(-30, 30)}, random.uniform(3, 9), opacity * random.uniform()});
     }
     return particles;
 }

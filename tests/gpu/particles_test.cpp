@@ -20,8 +20,8 @@ std::vector<Particle> random_particles(Random& random, int count, double least_r
     std::vector<Particle> particles;
     for (int i = 0; i < count; ++i) {
         const Vector3d at = offset + random_vector(random, 40);
-        particles.push_back({at, random.uniform(least_radius, 3 * least_radius),
-                             opacity * random.uniform()});
+        particles.push_back(
+            {at, random.uniform(least_radius, 3 * least_radius), opacity * random.uniform()});
     }
     return particles;
 }
@@ -70,8 +70,8 @@ TEST_CASE("particles: small and dense ones, beside rays and at their ends") {
                 (i % 3 == 0 ? ending : passing) = std::max(i % 3 == 0 ? ending : passing, e);
                 CAPTURE(radius);
                 CAPTURE(opacity);
-                // Beside the ray places are exact. Along it float32 counts to D 2^-24, twice: to the
-                // particle and to the ray's end.
+                // Beside the ray places are exact. Along it float32 counts to D 2^-24, twice: to
+                // the particle and to the ray's end.
                 const double along = i % 3 == 0 ? (at - o).norm() / radius * 4 * 0x1p-24 : 0;
                 CHECK_LE(e, 5e-7 + opacity * along);
             }
@@ -81,8 +81,8 @@ TEST_CASE("particles: small and dense ones, beside rays and at their ends") {
 }
 
 TEST_CASE("particles: through centres, beside ends, and where nothing is left to see") {
-    const std::vector<Particle> line = {{{0, 0, 0}, 3, 0.999}, {{5, 1, 0}, 4, 0.9},
-                                        {{-5, 0, 2}, 3, 0.5}};
+    const std::vector<Particle> line = {
+        {{0, 0, 0}, 3, 0.999}, {{5, 1, 0}, 4, 0.9}, {{-5, 0, 2}, 3, 0.5}};
     const ParticlesOnCpu shader(line);
     for (const double x : {-30.0, -5.0, -3.0, 0.0, 3.0, 20.0})
         for (const double y : {0.0, 1.0, 3.0, 5.0})

@@ -215,8 +215,7 @@ TEST_CASE("radial without compute shaders: its shaders are GLSL ES 3.00" *
     add("fog_reduce_depth.frag", "#define FOG_AVERAGE\n");
     for (const char* upsample : {"0", "1", "2"})
         for (const char* more : {"", "#define FOG_CHANNELS\n#define FOG_OUTPUT_TAU\n"})
-            add("fog_upsample.frag",
-                "#define FOG_UPSAMPLE " + std::string(upsample) + "\n" + more);
+            add("fog_upsample.frag", "#define FOG_UPSAMPLE " + std::string(upsample) + "\n" + more);
     const auto log = folder.file("log");
     const int status =
         std::system(("glslangValidator" + files + " > " + log.string() + " 2>&1").c_str());

@@ -97,7 +97,8 @@ TEST_CASE("sampling: halos of the average at silhouettes, none where depth is lo
         for (const char* size : {"32x24", "16x12", "8x6", "13x7"}) {
             CAPTURE(std::string(size));
             FogPass aware = pass_of(gl, {}, sampled("exact", size), fog);
-            FogPass average = pass_of(gl, {}, sampled("exact", std::string(size) + ":average"), fog);
+            FogPass average =
+                pass_of(gl, {}, sampled("exact", std::string(size) + ":average"), fog);
             const Difference a = difference(optical_depth(gl, picture, camera, aware), truth);
             const Difference b = difference(optical_depth(gl, picture, camera, average), truth);
             MESSAGE(std::string(name), " ", std::string(size), ": aware ", a.largest, ", average ",
@@ -174,8 +175,8 @@ TEST_CASE("sampling: fogs add up, for each colour, and colour is blended once") 
                 for (int c = 0; c < 3; ++c) {
                     const double tau = double(sum.at(x, y, c));
                     worst = std::max(
-                        worst, std::abs(std::exp(-tau) - std::exp(-double(a.at(x, y, c)) -
-                                                                  double(b.at(x, y, 0)))));
+                        worst, std::abs(std::exp(-tau) -
+                                        std::exp(-double(a.at(x, y, c)) - double(b.at(x, y, 0)))));
                     const double t = std::exp(-tau);
                     blend = std::max(blend, std::abs(double(colour.at(x, y, c)) -
                                                      (t * 0.25 + (1 - t) * fog_colour[c])));
@@ -204,8 +205,8 @@ TEST_CASE("sampling: what makes no sense is refused") {
     refused(radial, false, "radial@vertices");
     refused(sampled("exact", "vertices"), true, "particles");
     refused(sampled("exact", "vertices"), false, "no vertices");
-    const auto on_cpu = ShaderOnCpu::create(random_fog(8, 8, {.degree = 1}, random),
-                                            sampled("exact", "16x16"));
+    const auto on_cpu =
+        ShaderOnCpu::create(random_fog(8, 8, {.degree = 1}, random), sampled("exact", "16x16"));
     REQUIRE_FALSE(on_cpu.has_value());
     CHECK(on_cpu.error().message.find("exact@16x16") != std::string::npos);
 }

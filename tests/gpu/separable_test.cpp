@@ -66,13 +66,14 @@ TEST_CASE("separable: a table of height keeps its digits at any size and on near
     for (const int values : {2, 3, 40, 1000, 4096})
         for (const double metres : {0.5, 40.0, 3000.0}) {
             const FogModel fog = Separable{
-                0.02, {AxisTable{}, random_table(random, values, -metres / 2, metres / 2),
-                       AxisTable{}},
+                0.02,
+                {AxisTable{}, random_table(random, values, -metres / 2, metres / 2), AxisTable{}},
                 Separable::Integral::exact};
             auto segments = rays(random, 1e6);
             // Across the borders of cells by less and less.
             for (int i = 0; i < 400; ++i) {
-                const double y = metres * (std::floor(random.uniform(0, values)) / (values - 1) - 0.5);
+                const double y =
+                    metres * (std::floor(random.uniform(0, values)) / (values - 1) - 0.5);
                 const double rise = std::pow(10, random.uniform(-8, 1));
                 segments.emplace_back(Vector3d(0, y - rise / 3, 0), Vector3d(300, y + rise, 40));
             }
@@ -86,8 +87,8 @@ TEST_CASE("separable: a table of height keeps its digits at any size and on near
 
 TEST_CASE("separable: rays along the borders of cells, through their corners, of no length") {
     const AxisTable saw{{0, 2, 0, 2, 0}, 0, 4, true};
-    const FogModel fog = Separable{0.2, {saw, AxisTable{{1, 0}, 0, 4}, saw},
-                                   Separable::Integral::exact};
+    const FogModel fog =
+        Separable{0.2, {saw, AxisTable{{1, 0}, 0, 4}, saw}, Separable::Integral::exact};
     std::vector<Segment3> segments;
     for (const double y : {0.0, 1.0, 4.0, 5.0})
         for (const double x : {-7.0, 0.0, 1.0, 2.5}) {

@@ -45,7 +45,8 @@ struct Stage {
 Stage stage_of(const Gl& gl, const Scene& scene) {
     auto renderer = SceneRenderer::create(gl, scene);
     REQUIRE_MESSAGE(renderer.has_value(), (renderer ? "" : renderer.error().message));
-    Stage stage{std::move(*renderer), make_frame_target(gl, kSide, kSide),
+    Stage stage{std::move(*renderer),
+                make_frame_target(gl, kSide, kSide),
                 make_texture_2d(gl, GL_RGBA32F, kSide, kSide, GL_RGBA, GL_FLOAT, nullptr),
                 {},
                 {}};
@@ -58,8 +59,8 @@ Stage stage_of(const Gl& gl, const Scene& scene) {
 Image optical_depth(const Gl& gl, const Stage& stage, const Camera& camera,
                     const std::vector<const FogTextures*>& maps, const std::string& method,
                     const std::vector<FogModel>& models) {
-    auto pass = FogPass::create(gl, maps, *parse_method(method), {1, 1, 1}, models, false,
-                                &stage.renderer);
+    auto pass =
+        FogPass::create(gl, maps, *parse_method(method), {1, 1, 1}, models, false, &stage.renderer);
     REQUIRE_MESSAGE(pass.has_value(), (pass ? "" : pass.error().message));
     pass->draw_optical_depth(stage.frame, camera, stage.target.name());
     CHECK(gl.GetError() == GL_NO_ERROR);
@@ -73,8 +74,7 @@ struct Errors {
 
 Errors errors(const Image& at_vertices, const Image& in_pixels, const Stage& stage,
               const Camera& camera, int channel = 0) {
-    const float background =
-        float(camera_matrices(camera, kSide, kSide).sky_depth);
+    const float background = float(camera_matrices(camera, kSide, kSide).sky_depth);
     Errors found;
     for (int y = 0; y < kSide; ++y)
         for (int x = 0; x < kSide; ++x) {
@@ -103,8 +103,8 @@ TEST_CASE("vertices: as in every pixel where triangles are small, the sky's pixe
     for (const bool orthographic : {false, true})
         for (const auto depth : {Camera::Depth::standard, Camera::Depth::reversed}) {
             scene.camera.depth = depth;
-            scene.camera.projection = orthographic ? Camera::Projection::orthographic
-                                                   : Camera::Projection::perspective;
+            scene.camera.projection =
+                orthographic ? Camera::Projection::orthographic : Camera::Projection::perspective;
             scene.camera.ortho_height = 30;
             CAPTURE(orthographic);
             const Stage stage = stage_of(gl, scene);
@@ -113,9 +113,8 @@ TEST_CASE("vertices: as in every pixel where triangles are small, the sky's pixe
                 const std::vector<FogModel> models = {random_cosines(random)};
                 const Image pixels =
                     optical_depth(gl, stage, scene.camera, {&*textures}, method, models);
-                const Image vertices =
-                    optical_depth(gl, stage, scene.camera, {&*textures},
-                                  std::string(method) + "@vertices", models);
+                const Image vertices = optical_depth(gl, stage, scene.camera, {&*textures},
+                                                     std::string(method) + "@vertices", models);
                 const Errors e = errors(vertices, pixels, stage, scene.camera);
                 MESSAGE(std::string(method), ": surfaces ", e.surface, ", mean ", e.mean, ", sky ",
                         e.sky, " in ", e.sky_pixels);
@@ -152,10 +151,10 @@ TEST_CASE("vertices: fogs add up, for each colour") {
     for (int y = 0; y < kSide; ++y)
         for (int x = 0; x < kSide; ++x)
             for (int k = 0; k < 3; ++k)
-                worst = std::max(worst, std::abs(std::exp(-double(all.at(x, y, k))) -
-                                                 std::exp(-double(a.at(x, y, k)) -
-                                                          double(b.at(x, y, 0)) -
-                                                          double(c.at(x, y, 0)))));
+                worst = std::max(worst,
+                                 std::abs(std::exp(-double(all.at(x, y, k))) -
+                                          std::exp(-double(a.at(x, y, k)) - double(b.at(x, y, 0)) -
+                                                   double(c.at(x, y, 0)))));
     // What is interpolated is linear in the optical depth: float32 alone differs.
     CHECK_LE(worst, 2e-6);
 }

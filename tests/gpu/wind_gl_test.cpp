@@ -32,15 +32,14 @@ TEST_CASE("wind: the shader as C++ equals the reference after 1e6 s") {
     Random random(307);
     for (const Boundary boundary : {Boundary::zero, Boundary::repeat})
         for (const int degree : {0, 1, 2}) {
-            Fog fog = random_fog(32, 24, {.degree = degree, .levels = 2, .boundary = boundary},
-                                 random);
+            Fog fog =
+                random_fog(32, 24, {.degree = degree, .levels = 2, .boundary = boundary}, random);
             fog.wind = {7.3, -2.1};
             const Reference truth(fog, kLong);
             const auto shader = ShaderOnCpu::create(fog, {}, kLong);
             REQUIRE(shader.has_value());
             // The map has gone; what repeats is here and there.
-            const Vector3d at =
-                boundary == Boundary::zero ? far_away(fog.wind) : Vector3d(0, 0, 0);
+            const Vector3d at = boundary == Boundary::zero ? far_away(fog.wind) : Vector3d(0, 0, 0);
             double worst = 0;
             for (int i = 0; i < 300; ++i) {
                 const Vector3d o = at + random_point(random), p = at + random_point(random);

@@ -21,7 +21,9 @@ class Random {
     double uniform(double low = 0, double high = 1) {
         return std::uniform_real_distribution<double>(low, high)(engine_);
     }
-    int integer(int low, int high) { return std::uniform_int_distribution<int>(low, high)(engine_); }
+    int integer(int low, int high) {
+        return std::uniform_int_distribution<int>(low, high)(engine_);
+    }
     double normal() { return std::normal_distribution<double>()(engine_); }
 
   private:

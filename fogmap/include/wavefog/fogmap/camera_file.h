@@ -13,8 +13,8 @@ struct DepthValues {
         gl,      ///< the depth buffer's, 0 to 1, by the camera's near, far and depth convention
         metres,  ///< metres / scale - offset; 0 is not measured
         inverse  ///< scale / metres - offset (a stereo pair's disparity, scale = focal length in
-                 ///< pixels times the distance of its eyes); 0 metres^-1 is infinitely far, infinite
-                 ///< is not measured
+                 ///< pixels times the distance of its eyes); 0 metres^-1 is infinitely far,
+                 ///< infinite is not measured
     };
     /// gl is along the axis.
     enum class Measured {
@@ -25,8 +25,8 @@ struct DepthValues {
     Measured measured = Measured::axis;
     double scale = 1;  ///< above 0
     double offset = 0;
-    /// What is not measured: background, or as far as the farther one of the nearest measured pixels
-    /// to its left and right (what one eye of a stereo pair does not see lies behind).
+    /// What is not measured: background, or as far as the farther one of the nearest measured
+    /// pixels to its left and right (what one eye of a stereo pair does not see lies behind).
     enum class Unmeasured { background, neighbours };
     Unmeasured unmeasured = Unmeasured::background;
 };

@@ -28,8 +28,8 @@ struct MapSequence {
 class SequencePlayer {
   public:
     explicit SequencePlayer(MapSequence sequence) : sequence_(std::move(sequence)) {}
-    /// Sets fog.decomposition to that of a time. It depends on the time alone, not on earlier calls.
-    /// A data error names the scene's key and the picture.
+    /// Sets fog.decomposition to that of a time. It depends on the time alone, not on earlier
+    /// calls. A data error names the scene's key and the picture.
     Result<void> show(double seconds, Fog& fog);
 
   private:

@@ -22,8 +22,8 @@ struct Particle {
 };
 
 /// -log of the clarity, the product of 1 - opacity over all particles: it adds to the optical
-/// depths of other fogs. A long segment is not fogged twice by one particle: only the least distance
-/// counts, so it is not additive over parts of a ray.
+/// depths of other fogs. A long segment is not fogged twice by one particle: only the least
+/// distance counts, so it is not additive over parts of a ray.
 double optical_depth(const std::vector<Particle>& particles, const Eigen::Vector3d& o,
                      const Eigen::Vector3d& p);
 
@@ -32,17 +32,17 @@ struct ParticleSource {
     static constexpr int kMostParticles = 65536;
 
     Eigen::Vector3d position{0, 0, 0};
-    double area = 0;                     ///< radius of the level disc they start on, metres
-    Eigen::Vector3d direction{0, 1, 0};  ///< unit length
-    double spread = 0;                   ///< half angle of the cone around it, radians, 0 to pi
-    double speed = 1;                    ///< m/s at the start, a quarter more or less
-    double rate = 10;                    ///< particles a second
-    std::array<int, 2> life = {64, 128};     ///< steps, least and most
-    double step = 0.1;                       ///< seconds
-    std::array<double, 2> radius = {1, 1};   ///< metres, at birth and at the end
-    double opacity = 0.2;                    ///< the most, above 0 and below 1
-    double lift = 0;                         ///< m/s^2, upwards
-    double drag = 0;                         ///< 1/s: how fast it takes the wind's velocity
+    double area = 0;                        ///< radius of the level disc they start on, metres
+    Eigen::Vector3d direction{0, 1, 0};     ///< unit length
+    double spread = 0;                      ///< half angle of the cone around it, radians, 0 to pi
+    double speed = 1;                       ///< m/s at the start, a quarter more or less
+    double rate = 10;                       ///< particles a second
+    std::array<int, 2> life = {64, 128};    ///< steps, least and most
+    double step = 0.1;                      ///< seconds
+    std::array<double, 2> radius = {1, 1};  ///< metres, at birth and at the end
+    double opacity = 0.2;                   ///< the most, above 0 and below 1
+    double lift = 0;                        ///< m/s^2, upwards
+    double drag = 0;                        ///< 1/s: how fast it takes the wind's velocity
     Wind wind;
     std::uint64_t seed = 1;
 
@@ -61,8 +61,8 @@ using Obstacle =
     std::function<std::optional<Contact>(const Eigen::Vector3d& from, const Eigen::Vector3d& to)>;
 
 /// All particles of some sources. Each one's path is a function of seed, number and age, in fixed
-/// steps from its birth: a time's particles are the same, bit for bit, whatever times were asked for
-/// before; going on from an earlier time only saves steps.
+/// steps from its birth: a time's particles are the same, bit for bit, whatever times were asked
+/// for before; going on from an earlier time only saves steps.
 class ParticleSystem {
   public:
     /// Sources must pass validate(). Without an obstacle they meet nothing.

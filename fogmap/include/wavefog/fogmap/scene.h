@@ -31,7 +31,7 @@ struct Camera {
     double near_plane = 0.1;
     double far_plane = 4000;  ///< may be infinity (JSON: "infinite") for perspective
     Eigen::Vector2d lens_shift{
-        0, 0};  ///< off-axis: shift of the image plane in units of its half size
+        0, 0};                ///< off-axis: shift of the image plane in units of its half size
     double pixel_aspect = 1;  ///< width of a pixel over its height; files have no key for it
 };
 
@@ -96,13 +96,14 @@ struct Method {
     int table = 0;
     PathLayout layout = PathLayout::mean;
     int froxels[3] = {160, 90, 64};  ///< froxel:XxYxZ
-    int radial[2] = {0, 0};    ///< radial[:AZIMUTHSxROWS]; 0: chosen for fog and picture
-    bool radial_step = false;  ///< radial[:AZIMUTHSxROWS]:step: exact between rows
+    int radial[2] = {0, 0};          ///< radial[:AZIMUTHSxROWS]; 0: chosen for fog and picture
+    bool radial_step = false;        ///< radial[:AZIMUTHSxROWS]:step: exact between rows
     double mu = 1;                   ///< [0,1], paper 004 eq. 12
     FogSampling sampling = {};       ///< @WxH[:average], @vertices
     std::string name() const;
 };
-/// Parses the names of design.md section 4 (march:N, froxel:XxYxZ, paper:N:perimeter, ...), each with
+/// Parses the names of design.md section 4 (march:N, froxel:XxYxZ, paper:N:perimeter, ...), each
+/// with
 /// "@" and a sampling or without; a usage error lists them.
 Result<Method> parse_method(const std::string& text);
 /// A usage error if the method cannot be sampled as it asks for.
@@ -117,10 +118,10 @@ struct Scene {
     std::optional<Terrain> terrain;
     std::vector<MeshInstance> meshes;
     Eigen::Vector3d fog_colour{0.8, 0.82, 0.85};
-    std::vector<Fog> fogs;         ///< maps: "model": "wavelet"
-    std::vector<FogModel> models;  ///< formulas, in closed form whatever the method; at time 0
+    std::vector<Fog> fogs;          ///< maps: "model": "wavelet"
+    std::vector<FogModel> models;   ///< formulas, in closed form whatever the method; at time 0
     std::vector<Wind> model_winds;  ///< of `models`, in their order
-    std::vector<MapSequence> sequences;      ///< which `fogs` have a map that changes
+    std::vector<MapSequence> sequences;  ///< which `fogs` have a map that changes
     std::vector<ParticleSource> particles;
     Method method;
 };

@@ -36,8 +36,8 @@ struct Wind {
 };
 
 /// The model where `metres` have taken it: planes and objects by their positions, waves by their
-/// phases, polynomials and tables by their domains, which where they repeat move by part of a period
-/// at most. Layers change with height alone and only move up or down.
+/// phases, polynomials and tables by their domains, which where they repeat move by part of a
+/// period at most. Layers change with height alone and only move up or down.
 FogModel moved(const FogModel& model, const Eigen::Vector3d& metres);
 
 /// Models in their winds at a time; those without a wind of their own stay.

@@ -9,9 +9,9 @@ namespace wavefog {
 /// A depth buffer and the camera whose convention it has.
 struct DepthPicture {
     Camera camera;
-    Image depth;                  ///< one channel
-    std::size_t background = 0;   ///< pixels with nothing in them: infinite, or at or beyond far
-    std::size_t unmeasured = 0;   ///< NaN, or 0 metres: taken as background
+    Image depth;                 ///< one channel
+    std::size_t background = 0;  ///< pixels with nothing in them: infinite, or at or beyond far
+    std::size_t unmeasured = 0;  ///< NaN, or 0 metres: taken as background
 };
 
 /// `values`: one channel, or several that are equal. Metres and inverse metres become a reversed

@@ -19,8 +19,8 @@ class FogTextures {
     ~FogTextures();
     std::size_t bytes() const;  ///< held on the GPU
 
-    /// Takes the map of `fog`, which differs from create()'s in its coefficients alone (a data error
-    /// otherwise). Every pass that draws it needs fogs_changed() afterwards.
+    /// Takes the map of `fog`, which differs from create()'s in its coefficients alone (a data
+    /// error otherwise). Every pass that draws it needs fogs_changed() afterwards.
     Result<void> update(const Gl& gl, const Fog& fog);
 
     struct Impl;  ///< of the library
@@ -53,8 +53,7 @@ class FogPass {
     /// "@vertices" needs, and drew the frames; it must outlive the pass.
     static Result<FogPass> create(const Gl& gl, std::vector<const FogTextures*> fogs,
                                   const Method& method, const Eigen::Vector3d& fog_colour,
-                                  std::vector<FogModel> models = {},
-                                  bool with_particles = false,
+                                  std::vector<FogModel> models = {}, bool with_particles = false,
                                   const SceneRenderer* scene = nullptr);
     FogPass(FogPass&&) noexcept;
     FogPass& operator=(FogPass&&) noexcept;

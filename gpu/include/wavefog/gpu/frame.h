@@ -45,9 +45,9 @@ class SceneRenderer {
     /// Sets the viewport, depth and clip-control state that it needs; leaves `target` bound.
     void draw(const FrameTarget& target, const Camera& camera) const;
 
-    /// Draws terrain and meshes alone into the bound framebuffer of `width` x `height` pixels, whose
-    /// depth is cleared, with programs of the caller's vertex shader (shaders/fog_vertex.vert).
-    /// Leaves the depth test off.
+    /// Draws terrain and meshes alone into the bound framebuffer of `width` x `height` pixels,
+    /// whose depth is cleared, with programs of the caller's vertex shader
+    /// (shaders/fog_vertex.vert). Leaves the depth test off.
     void draw_vertices(const Camera& camera, int width, int height, GLuint terrain_program,
                        GLuint mesh_program) const;
 
