@@ -17,8 +17,8 @@ const char* const kCamera = R"("eye": [0, 12, 30], "target": [0, 4, 0], "near": 
 void write_scene(const Workspace& work, const std::string& camera = "") {
     work.write_ramp_png("map.png", 32, 32);
     work.write_ramp_png("hill.png", 16, 16);
-    work.write_text("scene.json", std::string(R"({"size": [48, 32], "camera": {)") + kCamera +
-                                      camera + R"(},
+    work.write_text("scene.json",
+                    std::string(R"({"size": [48, 32], "camera": {)") + kCamera + camera + R"(},
         "terrain": {"heightmap": "hill.png", "rect": [-40, -40, 40, 40], "height": [0, 6]},
         "fog_colour": [0.5, 0.6, 0.7],
         "fog": [{"model": "wavelet", "image": "map.png", "rect": [-32, -32, 32, 32],
@@ -42,9 +42,9 @@ void render(const Workspace& work, const std::string& extension) {
 
 RunResult apply(const Workspace& work, const std::string& extension,
                 std::vector<std::string> more = {}) {
-    more.insert(more.begin(), {"apply", "--fog", "scene.json", "--color", "colour" + extension,
-                               "--depth", "depth.exr", "--camera", "cam.json", "-o",
-                               "applied" + extension, "--time", "3"});
+    more.insert(more.begin(),
+                {"apply", "--fog", "scene.json", "--color", "colour" + extension, "--depth",
+                 "depth.exr", "--camera", "cam.json", "-o", "applied" + extension, "--time", "3"});
     return work.run(more);
 }
 
@@ -78,7 +78,8 @@ TEST_CASE("apply: render's own colour and depth give render's picture") {
     }
 }
 
-TEST_CASE("apply: what changes in time is as in the scene: maps, and particles that meet its ground") {
+TEST_CASE(
+    "apply: what changes in time is as in the scene: maps, and particles that meet its ground") {
     const Workspace work;
     write_scene(work);
     work.write_floats("flat.exr", 32, 32, std::vector<float>(32 * 32, 0.5f));
@@ -93,7 +94,8 @@ TEST_CASE("apply: what changes in time is as in the scene: maps, and particles t
         return read_picture(work.path("fogged.exr"));
     };
     write_camera(work, R"("depth_values": "gl")");
-    const Picture particles = add(R"({"model": "particles", "source": "fog", "position": [0, 4, 0], "area": 15,
+    const Picture particles =
+        add(R"({"model": "particles", "source": "fog", "position": [0, 4, 0], "area": 15,
         "rate": 30, "radius": [2, 4], "lift": -0.5, "drag": 0.2, "wind": [1, 0]})");
     const Picture both = add(R"({"images": [{"time": 0, "image": "flat.exr"},
         {"time": 4, "image": "map.png"}], "rect": [-32, -32, 32, 32], "extinction": 0.05})");
@@ -109,8 +111,8 @@ TEST_CASE("apply: fog in a reduced picture as render draws it; a picture has no 
     render(work, ".exr");
     const std::vector<std::string> reduced = {"--method", "exact@12x8"};
     require_ok(apply(work, ".exr", reduced));
-    const RunResult drawn = work.run({"render", "scene.json", "-o", "reduced.exr", "--time", "3",
-                                      "--method", "exact@12x8"});
+    const RunResult drawn = work.run(
+        {"render", "scene.json", "-o", "reduced.exr", "--time", "3", "--method", "exact@12x8"});
     require_ok(drawn);
     const Picture applied = read_picture(work.path("applied.exr"));
     CHECK(largest_difference(read_picture(work.path("reduced.exr")), applied) == 0);
@@ -200,9 +202,11 @@ TEST_CASE("apply: mistakes name file and key, and leave nothing") {
         CHECK(work.files() == files);
     };
     const std::vector<std::string> fog = {"--fog", "scene.json"};
-    refused("colour.exr", "small.exr", "cam.json", fog, 1, "small.exr: is 4x4, colour.exr is 48x32");
+    refused("colour.exr", "small.exr", "cam.json", fog, 1,
+            "small.exr: is 4x4, colour.exr is 48x32");
     refused("colour.exr", "bad.exr", "cam.json", fog, 1, "bad.exr: pixel (0, 0) is 3");
-    refused("colour.exr", "depth.exr", "nokey.json", fog, 1, "nokey.json: depth_values: is missing");
+    refused("colour.exr", "depth.exr", "nokey.json", fog, 1,
+            "nokey.json: depth_values: is missing");
     refused("colour.exr", "depth.exr", "none.json", fog, 1, "none.json");
     refused("none.png", "depth.exr", "cam.json", fog, 1, "none.png");
     refused("colour.exr", "depth.exr", "cam.json", {}, 2, "--fog");
@@ -216,8 +220,8 @@ TEST_CASE("apply: mistakes name file and key, and leave nothing") {
     CHECK(result.err.find("nan.exr: 1536 of 1536 pixels are NaN") != std::string::npos);
     const RunResult twice = work.run({"render", "scene.json", "-o", "a.exr", "--color", "a.exr"});
     CHECK(twice.status == 2);
-    const RunResult averaged = work.run(
-        {"render", "scene.json", "-o", "a.exr", "--depth", "d.exr", "--supersample", "2"});
+    const RunResult averaged =
+        work.run({"render", "scene.json", "-o", "a.exr", "--depth", "d.exr", "--supersample", "2"});
     CHECK(averaged.status == 2);
     CHECK(averaged.err.find("--depth: depths cannot be averaged") != std::string::npos);
 }

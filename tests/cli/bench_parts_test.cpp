@@ -22,7 +22,7 @@
 
 using namespace wavefog;
 using namespace wavefog::cli;
-using wavefog::test::ScratchFolder;
+using wavefog::test::TempDir;
 
 namespace {
 
@@ -70,7 +70,7 @@ std::size_t count(const std::string& text, const std::string& what) {
 }  // namespace
 
 TEST_CASE("bench: results survive the way through a file; what was not measured is null") {
-    const ScratchFolder folder;
+    const TempDir folder;
     const Results results = some_results();
     const Facts json = to_json(results);
     CHECK(json["rows"][1]["max_dT"] == 1e-7);
@@ -87,7 +87,7 @@ TEST_CASE("bench: results survive the way through a file; what was not measured 
 }
 
 TEST_CASE("bench: files that are no results are named with what is wrong") {
-    const ScratchFolder folder;
+    const TempDir folder;
     for (const char* text :
          {"", "[]", "{\"provenance\": {}}", "{\"provenance\": {}, \"rows\": [{}]}"}) {
         const auto results = read_results(folder.write("bad.json", text));
@@ -95,7 +95,7 @@ TEST_CASE("bench: files that are no results are named with what is wrong") {
         CHECK(results.error().kind == ErrorKind::data);
         CHECK(results.error().message.find("bad.json") != std::string::npos);
     }
-    CHECK(!read_results(folder.file("none.json")).has_value());
+    CHECK(!read_results(folder / "none.json").has_value());
 }
 
 TEST_CASE("bench: the CSV has the promised columns first, and quotes commas") {
@@ -222,21 +222,21 @@ TEST_CASE("bench: the paper's tables show both figures relative to the same cell
 }
 
 TEST_CASE("bench: a README's regions are filled from the files they name, again and again") {
-    const ScratchFolder folder;
+    const TempDir folder;
     folder.write("r.json", to_json(some_results()).dump());
     const std::string text = "before\n<!-- bench r.json -->\nold\n<!-- /bench -->\nafter\n";
-    const auto filled = fill_readme(text, folder.file(""));
+    const auto filled = fill_readme(text, folder / "");
     REQUIRE_MESSAGE(filled.has_value(), (filled ? "" : filled.error().message));
     CHECK(filled->find("old") == std::string::npos);
     CHECK(filled->rfind("before\n<!-- bench r.json -->\n", 0) == 0);
     CHECK(filled->find(" march:64 |") != std::string::npos);
     CHECK(filled->find("commit `abc`") != std::string::npos);
     CHECK(filled->find("\n<!-- /bench -->\nafter\n") != std::string::npos);
-    CHECK(*fill_readme(*filled, folder.file("")) == *filled);
+    CHECK(*fill_readme(*filled, folder / "") == *filled);
 
     CHECK(*fill_readme("no region", "") == "no region");
-    CHECK(!fill_readme("<!-- bench r.json -->", folder.file("")).has_value());
-    CHECK(!fill_readme("<!-- bench none.json --><!-- /bench -->", folder.file("")).has_value());
+    CHECK(!fill_readme("<!-- bench r.json -->", folder / "").has_value());
+    CHECK(!fill_readme("<!-- bench none.json --><!-- /bench -->", folder / "").has_value());
 }
 
 TEST_CASE("bench: the chart of cost against error joins the best settings of each method") {
@@ -294,16 +294,16 @@ TEST_CASE("bench: a chart leaves out what a logarithmic axis cannot show, and me
 }
 
 TEST_CASE("bench: data files are named with their SHA-256") {
-    const ScratchFolder folder;
+    const TempDir folder;
     const auto file = folder.write("abc", "abc");
     CHECK(sha256_of(file) == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-    CHECK(sha256_of(folder.file("none")).empty());
+    CHECK(sha256_of(folder / "none").empty());
     const auto scene = folder.write("s.json", R"({"terrain": {"heightmap": "hill.png"},
         "fog": [{"image": "maps/a.png"}, {"file": "b.exr"}], "meshes": [{"file": "b.exr"}]})");
     const auto files = files_of_scene(scene);
     REQUIRE(files.size() == 4);
     CHECK(files[0] == scene);
-    CHECK(files[3] == folder.file("maps/a.png"));
+    CHECK(files[3] == folder / "maps/a.png");
     CHECK(is_software("llvmpipe (LLVM 15.0.6, 256 bits)"));
     CHECK(!is_software("NVIDIA H200"));
 }

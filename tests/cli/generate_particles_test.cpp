@@ -98,8 +98,8 @@ TEST_CASE("generate: a state of particles becomes a map whose vertical rays keep
     work.write_text("scene.json", scene(kSource));
     double before = 1;
     for (const char* size : {"64x64", "128x128", "256x256"}) {
-        const json facts = generate(work, {"scene.json", "-o", "map.exr", "--size", size, "--time",
-                                           "3.5"});
+        const json facts =
+            generate(work, {"scene.json", "-o", "map.exr", "--size", size, "--time", "3.5"});
         CHECK(facts["particles"] > 200);
         const Picture map = read_picture(work.path("map.exr"));
         const auto [low, high] = std::minmax_element(map.pixels.begin(), map.pixels.end());
@@ -112,8 +112,8 @@ TEST_CASE("generate: a state of particles becomes a map whose vertical rays keep
         CHECK(thickest > 1);
         const double error = largest_error(probe(work, "fog.exr", rays), truth);
         MESSAGE(std::string(size), ": largest |dT| of vertical rays ", error);
-        // Straight lines between pixels miss the tips of the cones that particles are, by the fewer the
-        // finer pixels are; which tips a ray passes is chance.
+        // Straight lines between pixels miss the tips of the cones that particles are, by the fewer
+        // the finer pixels are; which tips a ray passes is chance.
         CHECK(error < 0.75 * before);
         before = error;
     }
@@ -142,12 +142,16 @@ TEST_CASE("generate: a pixel is the clarity through its centre, between the heig
 TEST_CASE("generate particles: every flag is the scene's key") {
     const Workspace work;
     const std::vector<std::pair<std::string, std::string>> keys = {
-        {"source", "smoke"}, {"position", "1,2,3"}, {"area", "2.5"},   {"direction", "1,1,0"},
-        {"spread_deg", "20"}, {"speed", "2"},       {"rate", "25"},    {"life", "5,30"},
-        {"step", "0.2"},      {"radius", "1,4"},    {"opacity", "0.6"}, {"lift", "0.3"},
-        {"drag", "0.25"},     {"wind", "[[0,1,0],[3,-1,2]]"}, {"seed", "77"}};
-    const std::vector<std::string> place = {"--size", "40x30", "--time", "2", "--rect",
-                                            "-20,-20,30,20", "--mean", "-5,20"};
+        {"source", "smoke"},  {"position", "1,2,3"},
+        {"area", "2.5"},      {"direction", "1,1,0"},
+        {"spread_deg", "20"}, {"speed", "2"},
+        {"rate", "25"},       {"life", "5,30"},
+        {"step", "0.2"},      {"radius", "1,4"},
+        {"opacity", "0.6"},   {"lift", "0.3"},
+        {"drag", "0.25"},     {"wind", "[[0,1,0],[3,-1,2]]"},
+        {"seed", "77"}};
+    const std::vector<std::string> place = {"--size", "40x30",         "--time", "2",
+                                            "--rect", "-20,-20,30,20", "--mean", "-5,20"};
     std::vector<std::string> arguments = {"particles", "-o", "flags.exr"};
     std::string fog = R"({"model": "particles")";
     for (const auto& [key, value] : keys) {
@@ -155,7 +159,10 @@ TEST_CASE("generate particles: every flag is the scene's key") {
         std::replace(flag.begin(), flag.end(), '_', '-');
         arguments.insert(arguments.end(), {"--" + flag, value});
         const bool list = value.find(',') != value.npos && value.front() != '[';
-        fog += ", \"" + key + "\": " + (key == "source" ? "\"smoke\"" : list ? "[" + value + "]" : value);
+        fog += ", \"" + key + "\": " +
+               (key == "source" ? "\"smoke\""
+                : list          ? "[" + value + "]"
+                                : value);
     }
     work.write_text("scene.json", scene(fog + "}"));
     arguments.insert(arguments.end(), place.begin(), place.end());
@@ -167,7 +174,8 @@ TEST_CASE("generate particles: every flag is the scene's key") {
     CHECK(flags["particles"] == whole["particles"]);
     CHECK(flags["extinction"] == whole["extinction"]);
     CHECK(flags["extinction"] > 0);
-    CHECK(read_picture(work.path("flags.exr")).pixels == read_picture(work.path("scene.exr")).pixels);
+    CHECK(read_picture(work.path("flags.exr")).pixels ==
+          read_picture(work.path("scene.exr")).pixels);
     // Each of them alone changes the map.
     const auto with = [&](const std::string& flag, const std::string& value) {
         std::vector<std::string> all = {"particles", "-o", "one.exr"};
@@ -198,7 +206,7 @@ TEST_CASE("generate particles: every flag is the scene's key") {
 TEST_CASE("generate: states at several times are the keyframes of a map that changes") {
     const Workspace work;
     work.write_text("scene.json", scene(kSource));
-    const std::vector<std::string> shared = {"--size", "48x48", "--rect", "-24,-24,40,40",
+    const std::vector<std::string> shared = {"--size", "48x48", "--rect",       "-24,-24,40,40",
                                              "--mean", "-4,12", "--extinction", "0.05"};
     json facts;
     std::string images;
@@ -287,7 +295,8 @@ TEST_CASE("probe: particles add to other fogs, with every method, and meet the s
     CHECK(sky[0][1] > 0);
     // The ground may end the ray earlier: no more than the whole of it is lost.
     CHECK(seen >= sky[0][1] - 2e-6);
-    REQUIRE(work.run({"render", "bare.json", "-o", "r.exr", "--transmittance", "T.exr"}).status == 0);
+    REQUIRE(work.run({"render", "bare.json", "-o", "r.exr", "--transmittance", "T.exr"}).status ==
+            0);
     CHECK(std::abs(double(read_picture(work.path("T.exr")).at(4, 4)) -
                    probe(work, "bare.json", "0,3,40,0,3,-40\n")[0][1]) <= 2e-6);
 }

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <sys/wait.h>
 #include <tinyexr.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -35,21 +34,11 @@ std::string text_of(const fs::path& file) {
 
 }  // namespace
 
-Workspace::Workspace() {
-    std::string name = (fs::temp_directory_path() / "wavefog-cli-XXXXXX").string();
-    REQUIRE(mkdtemp(name.data()) != nullptr);
-    directory_ = name;
-}
-
-Workspace::~Workspace() {
-    std::error_code code;
-    fs::remove_all(directory_, code);
-}
-
 RunResult Workspace::shell(const std::string& line) const {
-    const fs::path out = directory_.string() + ".out", err = directory_.string() + ".err";
+    const fs::path out = directory_.path().string() + ".out",
+                   err = directory_.path().string() + ".err";
     const std::string command =
-        fmt::format("cd {} && WAVEFOG={} && {{ {}\n}} >{} 2>{}", quoted(directory_.string()),
+        fmt::format("cd {} && WAVEFOG={} && {{ {}\n}} >{} 2>{}", quoted(directory_.path().string()),
                     quoted(WAVEFOG_COMMAND), line, quoted(out.string()), quoted(err.string()));
     const int code = std::system(command.c_str());
     RunResult result;
@@ -101,8 +90,8 @@ void Workspace::write_ramp_png(const std::string& name, int width, int height) c
 
 std::set<std::string> Workspace::files() const {
     std::set<std::string> names;
-    for (const auto& entry : fs::recursive_directory_iterator(directory_))
-        names.insert(fs::relative(entry.path(), directory_).string());
+    for (const auto& entry : fs::recursive_directory_iterator(directory_.path()))
+        names.insert(fs::relative(entry.path(), directory_.path()).string());
     return names;
 }
 

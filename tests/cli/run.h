@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "support/temp_dir.h"
+
 namespace wavefog::test {
 
 struct RunResult {
@@ -17,11 +19,6 @@ struct RunResult {
 /// A fresh directory, removed with everything in it at the end.
 class Workspace {
   public:
-    Workspace();
-    Workspace(const Workspace&) = delete;
-    Workspace& operator=(const Workspace&) = delete;
-    ~Workspace();
-
     std::filesystem::path path(const std::string& name) const { return directory_ / name; }
     /// Runs `wavefog arguments...` in the directory.
     RunResult run(const std::vector<std::string>& arguments, const std::string& input = "") const;
@@ -39,7 +36,7 @@ class Workspace {
     std::set<std::string> files() const;
 
   private:
-    std::filesystem::path directory_;
+    TempDir directory_;
 };
 
 struct Picture {

@@ -19,10 +19,6 @@ json json_of(const RunResult& result) {
     return json::parse(result.out);
 }
 
-bool contains(const std::string& text, const std::string& part) {
-    return text.find(part) != std::string::npos;
-}
-
 }  // namespace
 
 TEST_CASE("convert goes between .exr and .wfog without loss") {

@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "fogmap/temp_dir.h"
+#include "support/temp_dir.h"
 
 using namespace wavefog;
 using namespace wavefog::test;

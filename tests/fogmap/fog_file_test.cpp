@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fogmap/fog_support.h"
-#include "fogmap/temp_dir.h"
+#include "support/temp_dir.h"
 #include "wavefog/fogmap/image.h"
 #include "wavefog/wavelet/pack.h"
 #include "wavefog/wavelet/quantise.h"

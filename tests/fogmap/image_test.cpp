@@ -12,7 +12,7 @@
 
 #include "fogmap/fog_support.h"
 #include "fogmap/make_png.h"
-#include "fogmap/temp_dir.h"
+#include "support/temp_dir.h"
 
 namespace wavefog::test {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "fogmap/make_png.h"
-#include "fogmap/temp_dir.h"
+#include "support/temp_dir.h"
 #include "support/maps.h"
 #include "wavefog/fogmap/reference.h"
 #include "wavefog/fogmap/scene.h"

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "fogmap/fog_support.h"
-#include "fogmap/temp_dir.h"
+#include "support/temp_dir.h"
 #include "wavefog/fogmap/fog_file.h"
 
 namespace wavefog::test {

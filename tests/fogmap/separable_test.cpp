@@ -5,7 +5,7 @@
 
 #include "fogmap/fog_support.h"
 #include "fogmap/model_support.h"
-#include "fogmap/temp_dir.h"
+#include "support/temp_dir.h"
 #include "wavefog/fogmap/scene.h"
 
 using namespace wavefog;

@@ -54,8 +54,8 @@ TEST_CASE("an empty scene is sky: colour everywhere, depth at its clear value") 
 }
 
 TEST_CASE("reversed infinite depth keeps distances to 1e-6 from a metre to 100 km") {
-    const ScratchFolder scratch;
-    const auto flat = scratch.file("flat.exr");
+    const TempDir scratch;
+    const auto flat = scratch / "flat.exr";
     REQUIRE(write_image(flat, Image{2, 2, 1, {0, 0, 0, 0}}).has_value());
     for (const double altitude : {1.0, 40.0, 2000.0, 100000.0}) {
         CAPTURE(altitude);

@@ -1,14 +1,12 @@
-// What tests of the gpu library share: a context, a scratch folder, pixels back to world points.
+// What tests of the gpu library share: a context, pixels back to world points.
 #pragma once
 
 #include <doctest/doctest.h>
-#include <unistd.h>
 
 #include <Eigen/Dense>
-#include <filesystem>
-#include <fstream>
-#include <string>
+#include <memory>
 
+#include "support/temp_dir.h"
 #include "wavefog/gpu/context.h"
 #include "wavefog/gpu/frame.h"
 
@@ -25,28 +23,6 @@ inline Context& osmesa() {
     REQUIRE(current.has_value());
     return *context;
 }
-
-/// A folder that is removed at the end.
-class ScratchFolder {
-  public:
-    ScratchFolder() {
-        std::string name = (std::filesystem::temp_directory_path() / "wavefog-XXXXXX").string();
-        REQUIRE(mkdtemp(name.data()) != nullptr);
-        path_ = name;
-    }
-    ScratchFolder(const ScratchFolder&) = delete;
-    ScratchFolder& operator=(const ScratchFolder&) = delete;
-    ~ScratchFolder() { std::filesystem::remove_all(path_); }
-
-    std::filesystem::path file(const std::string& name) const { return path_ / name; }
-    std::filesystem::path write(const std::string& name, const std::string& bytes) const {
-        std::ofstream(file(name), std::ios::binary) << bytes;
-        return file(name);
-    }
-
-  private:
-    std::filesystem::path path_;
-};
 
 /// The world point of a pixel's centre at a depth; x and y count from the top left.
 inline Eigen::Vector3d world_point(const Camera& camera, int width, int height, int x, int y,

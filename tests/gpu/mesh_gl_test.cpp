@@ -57,7 +57,7 @@ Scene looking_at_origin() {
 }  // namespace
 
 TEST_CASE("an OBJ mesh is placed, scaled and turned, with its material's colour") {
-    const ScratchFolder scratch;
+    const TempDir scratch;
     scratch.write("square.mtl", square_mtl);
     Scene scene = looking_at_origin();
     MeshInstance instance;
@@ -87,7 +87,7 @@ TEST_CASE("an OBJ mesh is placed, scaled and turned, with its material's colour"
 }
 
 TEST_CASE("a material that gives out light needs no sun") {
-    const ScratchFolder scratch;
+    const TempDir scratch;
     scratch.write("square.mtl", "newmtl red\nKd 0 0 0\nKe 0.25 1.5 0\n");
     Scene scene = looking_at_origin();
     scene.sun.colour = {0, 0, 0};
@@ -98,7 +98,7 @@ TEST_CASE("a material that gives out light needs no sun") {
 }
 
 TEST_CASE("a GLB mesh keeps its node's transform and base colour") {
-    const ScratchFolder scratch;
+    const TempDir scratch;
     Scene scene = looking_at_origin();
     MeshInstance instance;
     instance.file = scratch.write("square.glb", square_glb());
@@ -113,9 +113,9 @@ TEST_CASE("a GLB mesh keeps its node's transform and base colour") {
 }
 
 TEST_CASE("a mesh stands on the terrain and keeps its place 1000 km from the origin") {
-    const ScratchFolder scratch;
+    const TempDir scratch;
     scratch.write("square.mtl", square_mtl);
-    const auto flat = scratch.file("flat.exr");
+    const auto flat = scratch / "flat.exr";
     REQUIRE(write_image(flat, Image{2, 1, 1, {0, 1}}).has_value());
     Scene scene = looking_at_origin();
     const Eigen::Vector3d base(1e6, 0, -2e6);
@@ -135,7 +135,7 @@ TEST_CASE("a mesh stands on the terrain and keeps its place 1000 km from the ori
 }
 
 TEST_CASE("meshes throw shadows on meshes") {
-    const ScratchFolder scratch;
+    const TempDir scratch;
     scratch.write("square.mtl", square_mtl);
     Scene scene = looking_at_origin();
     scene.sun.direction = Eigen::Vector3d(0, 0.2, 1).normalized();
@@ -157,12 +157,12 @@ TEST_CASE("meshes throw shadows on meshes") {
 }
 
 TEST_CASE("missing and unreadable meshes are errors that name the file") {
-    const ScratchFolder scratch;
+    const TempDir scratch;
     const struct {
         std::filesystem::path file;
         const char* what;
     } cases[] = {
-        {scratch.file("nowhere.glb"), "cannot open"},
+        {scratch / "nowhere.glb", "cannot open"},
         {scratch.write("noise.glb", "these are not the bytes of a mesh"), "not a readable"},
         {scratch.write("cut.glb", square_glb().substr(0, 300)), "not a readable"},
         {scratch.write("points.obj", "v 0 0 0\nv 1 0 0\n"), "points.obj"},

@@ -7,10 +7,6 @@ using namespace wavefog::test;
 
 namespace {
 
-bool contains(const std::string& text, const std::string& part) {
-    return text.find(part) != std::string::npos;
-}
-
 const ShaderText vertex{GL_VERTEX_SHADER, "test.vert", "void main() { gl_Position = vec4(0); }\n"};
 
 }  // namespace

@@ -185,7 +185,7 @@ bool has_validator() {
 // Counted as skipped where the tool is missing (Debian: glslang-tools).
 TEST_CASE("radial without compute shaders: its shaders are GLSL ES 3.00" *
           doctest::skip(!has_validator())) {
-    const ScratchFolder folder;
+    const TempDir folder;
     std::string files;
     const auto add = [&](const std::string& shader, const std::string& defines) {
         static int count = 0;
@@ -216,7 +216,7 @@ TEST_CASE("radial without compute shaders: its shaders are GLSL ES 3.00" *
     for (const char* upsample : {"0", "1", "2"})
         for (const char* more : {"", "#define FOG_CHANNELS\n#define FOG_OUTPUT_TAU\n"})
             add("fog_upsample.frag", "#define FOG_UPSAMPLE " + std::string(upsample) + "\n" + more);
-    const auto log = folder.file("log");
+    const auto log = folder / "log";
     const int status =
         std::system(("glslangValidator" + files + " > " + log.string() + " 2>&1").c_str());
     std::ifstream text(log);

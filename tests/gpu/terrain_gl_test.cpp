@@ -10,12 +10,12 @@ using namespace wavefog::test;
 namespace {
 
 /// Rolling hills, 48 x 40 pixels.
-std::filesystem::path write_hills(const ScratchFolder& scratch) {
+std::filesystem::path write_hills(const TempDir& scratch) {
     Image image{48, 40, 1, std::vector<float>(48 * 40)};
     for (int y = 0; y < 40; ++y)
         for (int x = 0; x < 48; ++x)
             image.at(x, y, 0) = float(std::sin(0.31 * x) + std::cos(0.23 * y + 0.1 * x));
-    const auto file = scratch.file("hills.exr");
+    const auto file = scratch / "hills.exr";
     REQUIRE(write_image(file, image).has_value());
     return file;
 }
@@ -24,8 +24,8 @@ std::filesystem::path write_hills(const ScratchFolder& scratch) {
 
 TEST_CASE(
     "height maps: least and greatest pixel become the given heights, pixels at their centres") {
-    const ScratchFolder scratch;
-    const auto file = scratch.file("ramp.exr");
+    const TempDir scratch;
+    const auto file = scratch / "ramp.exr";
     REQUIRE(write_image(file, Image{3, 1, 1, {10, 30, 20}}).has_value());
     const auto field = HeightField::load({file, {100, 0, 130, 10}, -5, 45});
     REQUIRE(field.has_value());
@@ -37,11 +37,11 @@ TEST_CASE(
 }
 
 TEST_CASE("steps of 8-bit height maps become slopes and no pixel moves by more than half a step") {
-    const ScratchFolder scratch;
+    const TempDir scratch;
     Image image{64, 8, 1, std::vector<float>(64 * 8)};
     for (int y = 0; y < 8; ++y)
         for (int x = 0; x < 64; ++x) image.at(x, y, 0) = float(x / 4);
-    const auto file = scratch.file("steps.tif");
+    const auto file = scratch / "steps.tif";
     REQUIRE(write_image(file, image).has_value());
     const auto field = HeightField::load({file, {0, 0, 64, 8}, 0, 15});
     REQUIRE(field.has_value());
@@ -54,15 +54,15 @@ TEST_CASE("steps of 8-bit height maps become slopes and no pixel moves by more t
 }
 
 TEST_CASE("a height map that cannot be read or is not finite is an error that names it") {
-    const ScratchFolder scratch;
+    const TempDir scratch;
     Scene scene;
-    scene.terrain = Terrain{scratch.file("nowhere.png"), {0, 0, 1, 1}, 0, 1};
+    scene.terrain = Terrain{scratch / "nowhere.png", {0, 0, 1, 1}, 0, 1};
     auto renderer = SceneRenderer::create(osmesa().gl(), scene);
     REQUIRE_FALSE(renderer.has_value());
     CHECK(renderer.error().kind == ErrorKind::data);
     CHECK(renderer.error().message.find("nowhere.png") != std::string::npos);
 
-    const auto file = scratch.file("nan.exr");
+    const auto file = scratch / "nan.exr";
     const float nan = std::numeric_limits<float>::quiet_NaN();
     REQUIRE(write_image(file, Image{2, 2, 1, {0, 0, nan, 0}}).has_value());
     scene.terrain->heightmap = file;
@@ -73,7 +73,7 @@ TEST_CASE("a height map that cannot be read or is not finite is an error that na
 
 TEST_CASE(
     "drawn terrain has the heights of the map: all projections, also 1000 km from the origin") {
-    const ScratchFolder scratch;
+    const TempDir scratch;
     const auto file = write_hills(scratch);
     for (const double offset : {0.0, 1e6})
         for (const auto projection :
@@ -118,13 +118,13 @@ TEST_CASE(
 }
 
 TEST_CASE("slopes that face the sun are brighter, and a hill throws a shadow") {
-    const ScratchFolder scratch;
+    const TempDir scratch;
     Image image{64, 64, 1, std::vector<float>(64 * 64)};
     for (int y = 0; y < 64; ++y)
         for (int x = 0; x < 64; ++x)
             image.at(x, y, 0) =
                 float(std::exp(-0.02 * ((x - 32) * (x - 32) + (y - 32) * (y - 32))));
-    const auto file = scratch.file("hill.exr");
+    const auto file = scratch / "hill.exr";
     REQUIRE(write_image(file, image).has_value());
     Scene scene;
     scene.width = scene.height = 64;

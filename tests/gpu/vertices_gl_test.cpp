@@ -16,18 +16,18 @@ namespace {
 constexpr int kSide = 96;
 
 /// Hills of `pixels` pixels a side over 48 m x 48 m with a large tilted square standing in them.
-Scene hills(const ScratchFolder& scratch, int pixels) {
+Scene hills(const TempDir& scratch, int pixels) {
     Image image{pixels, pixels, 1, {}};
     for (int y = 0; y < pixels; ++y)
         for (int x = 0; x < pixels; ++x)
             image.pixels.push_back(float(std::sin(7.0 * x / pixels) + std::cos(5.0 * y / pixels)));
-    const auto file = scratch.file("hills.exr");
+    const auto file = scratch / "hills.exr";
     REQUIRE(write_image(file, image).has_value());
     scratch.write("square.obj", "v -3 -1 0\nv 3 -1 0\nv 3 4 0\nv -3 4 0\nf 1 2 3 4\n");
     Scene scene;
     scene.width = scene.height = kSide;
     scene.terrain = Terrain{file, {-24, -24, 24, 24}, 0, 5};
-    scene.meshes.push_back({scratch.file("square.obj"), {1, 2, 2}, 1.5, 30, true});
+    scene.meshes.push_back({scratch / "square.obj", {1, 2, 2}, 1.5, 30, true});
     scene.camera.eye = {2, 9, 23};
     scene.camera.target = {0, 2, 0};
     scene.camera.far_plane = 200;
@@ -94,7 +94,7 @@ Errors errors(const Image& at_vertices, const Image& in_pixels, const Stage& sta
 
 TEST_CASE("vertices: as in every pixel where triangles are small, the sky's pixels exactly") {
     const Gl& gl = osmesa().gl();
-    const ScratchFolder scratch;
+    const TempDir scratch;
     Random random(701);
     Fog map = random_fog(16, 12, {.degree = 2, .levels = 1}, random);
     const auto textures = FogTextures::create(gl, map);
@@ -130,7 +130,7 @@ TEST_CASE("vertices: as in every pixel where triangles are small, the sky's pixe
 
 TEST_CASE("vertices: fogs add up, for each colour") {
     const Gl& gl = osmesa().gl();
-    const ScratchFolder scratch;
+    const TempDir scratch;
     Random random(709);
     const Scene scene = hills(scratch, 32);
     const Stage stage = stage_of(gl, scene);
@@ -161,7 +161,7 @@ TEST_CASE("vertices: fogs add up, for each colour") {
 
 TEST_CASE("vertices: triangles larger than the picture, with corners far outside it") {
     const Gl& gl = osmesa().gl();
-    const ScratchFolder scratch;
+    const TempDir scratch;
     Scene scene = hills(scratch, 2);
     scene.meshes.clear();
     scene.terrain->rect = {-300, -300, 300, 300};

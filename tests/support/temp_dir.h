@@ -1,6 +1,7 @@
-// A directory that lives as long as a test case, and reading and writing whole files in it.
+// A folder that lives as long as a test case, and reading and writing whole files in it.
 #pragma once
 
+#include <doctest/doctest.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,10 +15,9 @@ namespace wavefog::test {
 class TempDir {
   public:
     TempDir() {
-        static int counter = 0;
-        path_ = std::filesystem::temp_directory_path() /
-                ("wavefog-test-" + std::to_string(getpid()) + "-" + std::to_string(counter++));
-        std::filesystem::create_directories(path_);
+        std::string name = (std::filesystem::temp_directory_path() / "wavefog-XXXXXX").string();
+        REQUIRE(mkdtemp(name.data()) != nullptr);
+        path_ = name;
     }
     ~TempDir() {
         std::error_code ignored;
@@ -29,6 +29,10 @@ class TempDir {
 
     std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
     const std::filesystem::path& path() const { return path_; }
+    std::filesystem::path write(const std::string& name, const std::string& bytes) const {
+        std::ofstream(path_ / name, std::ios::binary) << bytes;
+        return path_ / name;
+    }
     /// Sorted names of everything inside.
     std::vector<std::string> names() const {
         std::vector<std::string> names;
