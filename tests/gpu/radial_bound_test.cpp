@@ -163,6 +163,36 @@ TEST_CASE("radial bound: a real map's is small where the error is") {
     }
 }
 
+TEST_CASE("radial bound: rays that end inside a row much thicker than the fog there") {
+    // A ring around the eye: all azimuths alike, and so tall a scale height that nothing but the
+    // last, partial stretch errs.
+    Random random(225);
+    Grid<float> ring = Grid<float>::Zero(96, 96);
+    for (int y = 0; y < 96; ++y)
+        for (int x = 0; x < 96; ++x) {
+            const double r = std::hypot(x - 47.5, y - 47.5) / 2;
+            if (r > 12 && r < 13) ring(y, x) = 1;
+        }
+    Fog fog = fog_of(ring, {.degree = 1, .levels = 1});
+    fog.rect = {-24, -24, 24, 24};
+    fog.extinction = 0.4;
+    fog.profile = {.kind = Profile::Kind::exponential, .base = 0, .scale = 500};
+    const Eigen::Vector3d eye(0, 3, 0);
+    std::vector<Eigen::Vector3d> points;
+    for (int i = 0; i < 2000; ++i) {
+        const double angle = random.uniform(0, 2 * std::numbers::pi), r = random.uniform(8, 18);
+        points.push_back({r * std::cos(angle), 3 + random.uniform(-0.1, 0.1), r * std::sin(angle)});
+    }
+    for (const int rows : {6, 9, 12}) {
+        const Figures figures =
+            figures_of(fog, {.kind = MethodKind::radial, .radial = {2048, rows}}, eye, points);
+        CAPTURE(rows);
+        CHECK_LE(figures.measured, figures.bound);
+        CHECK_GE(figures.measured, 0.1 * figures.bound);
+        MESSAGE("measured ", figures.measured, ", bound ", figures.bound);
+    }
+}
+
 TEST_CASE("radial bound: coarse approximations, a constant map, and no fog") {
     Random random(227);
     Fog fog = placed(make_map<float>(MapKind::smooth, 24, 18, random), 1, 3);
