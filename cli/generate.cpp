@@ -93,16 +93,18 @@ Result<void> check_flags(const GenerateOptions& options) {
     if (options.noise()) {
         if (options.rect || options.height || options.mean || options.time || options.extinction ||
             options.channel)
-            return unused("--rect, --height, --mean, --time, --extinction and --channel are about "
-                          "scenes and particles",
-                          "leave them out, and place the map with `convert`");
+            return unused(
+                "--rect, --height, --mean, --time, --extinction and --channel are about "
+                "scenes and particles",
+                "leave them out, and place the map with `convert`");
         return {};
     }
     if ((options.seed && !options.particles()) || options.features || options.octaves ||
         options.lacunarity || options.gain || options.warp || options.coverage)
-        return unused("--seed, --features, --octaves, --gain, --lacunarity, --warp and --coverage "
-                      "are about noise, model perlin or simplex",
-                      "leave them out");
+        return unused(
+            "--seed, --features, --octaves, --gain, --lacunarity, --warp and --coverage "
+            "are about noise, model perlin or simplex",
+            "leave them out");
     if (options.height && options.mean)
         return usage_error("--height Y or --mean Y0,Y1: give one of them");
     if (options.mean && !(options.mean->at(0) < options.mean->at(1)))
@@ -148,7 +150,10 @@ Facts json_of(const std::string& text) {
 
 /// The source that the flags describe.
 Result<ParticleSource> source_of(const GenerateOptions& options) {
-    Facts keys = {{"source", "fog"}, {"position", {0, 0, 0}}, {"spread_deg", 60}, {"rate", 40},
+    Facts keys = {{"source", "fog"},
+                  {"position", {0, 0, 0}},
+                  {"spread_deg", 60},
+                  {"rate", 40},
                   {"radius", {2, 6}}};
     for (const auto& [key, text] : options.source) keys[key] = json_of(text);
     if (!keys.contains("area") && keys["source"] == "fog") keys["area"] = 20;
@@ -173,8 +178,8 @@ Result<Grid<float>> fog_map(const GenerateOptions& options, Facts& facts) {
     if (!fogs) return tl::unexpected(fogs.error());
     if (fogs->fogs.empty() && fogs->models.empty() && fogs->particles.empty())
         return data_error(options.model + ": the scene has no \"fog\"; add one");
-    SceneMapOptions how{options.size,   options.tile,       options.rect,   options.height,
-                        std::nullopt,   options.extinction, options.channel};
+    SceneMapOptions how{options.size, options.tile,       options.rect,   options.height,
+                        std::nullopt, options.extinction, options.channel};
     if (options.mean) how.mean = {options.mean->at(0), options.mean->at(1)};
     Result<Grid<float>> map = scene_map(*fogs, how, facts);
     if (!map) return map;
@@ -197,8 +202,7 @@ Result<void> generate(const GenerateOptions& options) {
     Facts facts = {{"wrote", options.output.string()},
                    {"model", options.model},
                    {"size", {options.size.width, options.size.height}}};
-    Result<Grid<float>> map =
-        options.noise() ? noise_map(options, facts) : fog_map(options, facts);
+    Result<Grid<float>> map = options.noise() ? noise_map(options, facts) : fog_map(options, facts);
     if (!map) return tl::unexpected(map.error());
     facts["mean"] = map->cast<double>().mean();
     Image picture{options.size.width, options.size.height, 1, {}};
@@ -243,8 +247,8 @@ void add_scene_flags(CLI::App& app, GenerateOptions& options) {
     add_parsed(app, "--height", options.height, parse_number, "Y",
                "Scene: the fog's density at this height, metres");
     add_parsed(
-        app, "--mean", options.mean,
-        [](const std::string& text) { return parse_numbers(text, 2); }, "Y0,Y1",
+        app, "--mean", options.mean, [](const std::string& text) { return parse_numbers(text, 2); },
+        "Y0,Y1",
         "Scene: its mean between two heights, which keeps the optical depth of vertical rays "
         "(particles alone: all of them)");
     add_parsed(app, "--time", options.time, parse_number, "SECONDS",
@@ -255,8 +259,10 @@ void add_scene_flags(CLI::App& app, GenerateOptions& options) {
         "Scene: extinction of a pixel of 1, for maps that belong together (that of the densest)");
     add_parsed(
         app, "--channel", options.channel,
-        [](const std::string& text) { return parse_choice(text, {"R", "G", "B"}); }, "R|G|B",
-        "Scene: the colour whose fog is drawn, where fogs have \"channels\"");
+        [](const std::string& text) {
+            return parse_choice(text, {"R", "G", "B"});
+        },
+        "R|G|B", "Scene: the colour whose fog is drawn, where fogs have \"channels\"");
 }
 
 void add_particle_flags(CLI::App& app, GenerateOptions& options) {
@@ -292,16 +298,23 @@ Command add_generate(CLI::App& root) {
     add_particle_flags(*app, *options);
     app->add_flag("--json", options->json, "Print what was written as JSON");
     app->footer(
-        "Noise is a sum of octaves, each finer and weaker than the one before (fractional Brownian\n"
-        "motion). The highest --coverage of it becomes fog, the rest clear air, so that banks have\n"
-        "edges. The same options and seed give the same bytes. With --tile the map has no seam when\n"
+        "Noise is a sum of octaves, each finer and weaker than the one before (fractional "
+        "Brownian\n"
+        "motion). The highest --coverage of it becomes fog, the rest clear air, so that banks "
+        "have\n"
+        "edges. The same options and seed give the same bytes. With --tile the map has no seam "
+        "when\n"
         "it is converted with --wrap repeat.\n"
         "\n"
-        "The fogs of a scene, formulas, maps and particles alike, are added up at the centre of each\n"
+        "The fogs of a scene, formulas, maps and particles alike, are added up at the centre of "
+        "each\n"
         "pixel. The map is scaled so that its densest pixel is 1 (or by --extinction), and\n"
-        "`extinction` is printed: give it to `convert`. So is the `profile` of --mean, a slab that\n"
-        "keeps the optical depth of every vertical ray through a pixel's centre: of particles -log\n"
-        "of its clarity. --tile fades the first quarter of a scene's map into what lies behind its\n"
+        "`extinction` is printed: give it to `convert`. So is the `profile` of --mean, a slab "
+        "that\n"
+        "keeps the optical depth of every vertical ray through a pixel's centre: of particles "
+        "-log\n"
+        "of its clarity. --tile fades the first quarter of a scene's map into what lies behind "
+        "its\n"
         "other end.\n"
         "\n"
         "Example: banks of fog that repeat every 400 m\n"

@@ -71,28 +71,34 @@ class SceneColumn {
         };
         for (const Fog& fog : fogs.fogs)
             maps_.push_back({Reference(fog, fogs.seconds), share(fog.channels)});
-        for (const FogModel& model : fogs.models) models_.push_back({&model, share(model.channels)});
+        for (FogModel model : fogs.models) {
+            // A map holds extinction; the fraction that OpenGL has for it is of a whole ray.
+            if (auto* plane = std::get_if<Halfspace>(&model))
+                plane->fraction = Halfspace::Fraction::exp;
+            models_.push_back({model, share(model.channels)});
+        }
     }
 
     double operator()(double x, double z) const {
         const Vector3d low(x, low_, z), high(x, high_, z);
         double sum = 0;
         if (low_ == high_) {
-            for (const auto& [map, share] : maps_) sum += share * std::max(map.extinction(low), 0.0);
+            for (const auto& [map, share] : maps_)
+                sum += share * std::max(map.extinction(low), 0.0);
             for (const auto& [model, share] : models_)
-                sum += share * std::max(extinction(*model, low), 0.0);
+                sum += share * std::max(extinction(model, low), 0.0);
             return sum;
         }
         for (const auto& [map, share] : maps_) sum += share * map.optical_depth(low, high);
         for (const auto& [model, share] : models_)
-            sum += share * std::max(optical_depth(*model, low, high), 0.0);
+            sum += share * std::max(optical_depth(model, low, high), 0.0);
         return (sum + particles_->optical_depth(low, high)) / (high_ - low_);
     }
 
   private:
     const ParticleColumns* particles_;
     std::vector<std::pair<Reference, double>> maps_;
-    std::vector<std::pair<const FogModel*, double>> models_;
+    std::vector<std::pair<FogModel, double>> models_;
     double low_, high_;
 };
 
@@ -112,8 +118,9 @@ Result<Rect> rect_of(const FogsAt& fogs, const ParticleColumns& particles,
     if (fogs.terrain) return fogs.terrain->rect;
     if (!fogs.fogs.empty()) return fogs.fogs.front().rect;
     if (!fogs.particles.empty()) return around(particles, options.size);
-    return usage_error("--rect x0,z0,x1,z1: say which part of the world the map covers; the scene "
-                       "has no terrain that would");
+    return usage_error(
+        "--rect x0,z0,x1,z1: say which part of the world the map covers; the scene "
+        "has no terrain that would");
 }
 
 /// Between which heights the map is a mean; the same one twice for the density there.
@@ -136,9 +143,10 @@ void warn_of_small_particles(const FogsAt& fogs, const Rect& rect, const Size& s
     const auto small = std::count_if(fogs.particles.begin(), fogs.particles.end(),
                                      [&](const Particle& p) { return p.radius < pixel; });
     if (small > 0)
-        warn(fmt::format("{} of {} particles are smaller than two pixels of {:.3g} m, and part of "
-                         "their fog falls between them; use a larger --size",
-                         small, fogs.particles.size(), pixel));
+        warn(
+            fmt::format("{} of {} particles are smaller than two pixels of {:.3g} m, and part of "
+                        "their fog falls between them; use a larger --size",
+                        small, fogs.particles.size(), pixel));
 }
 
 /// On all cores.
