@@ -44,6 +44,18 @@ float model_halfspace(vec4 plane, vec4 density, vec3 start, float along) {
     return inside * (density.x + 0.5f * density.y * (max(a, 0.0f) + max(b, 0.0f)));
 }
 
+// The fog's fraction of the optical depth mean * metres, as a mean extinction again.
+float model_fraction(vec4 density, float mean, float metres) {
+    if (density.z == MODEL_FRACTION_EXP2) {
+        return mean * mean * metres;
+    }
+    if (density.z == MODEL_FRACTION_LINEAR) {
+        float left = 1.0f - max(mean * metres - density.w, 0.0f);
+        return (left > 0.0f ? -log(min(left, 1.0f)) : MODEL_SATURATED) / metres;
+    }
+    return mean;
+}
+
 // One straight piece of a function of height.
 float model_ramp(vec4 ramp, float y, float rise) {
     vec2 range = fog_clip_axis(vec2(0.0f, 1.0f), y, rise, ramp.x, ramp.y);
@@ -198,8 +210,9 @@ float fog_models(vec3 start, vec3 path, float metres, vec3 place, float scale) {
     }
     float mean = models.limit.y;
     for (int i = 0; i < models.count.x; ++i) {
-        mean += model_halfspace(models.plane[i], models.plane_density[i], start,
-                                model_along(i, path, place, scale));
+        float density = model_halfspace(models.plane[i], models.plane_density[i], start,
+                                        model_along(i, path, place, scale));
+        mean += model_fraction(models.plane_density[i], density, metres);
     }
     for (int i = 0; i < models.count.y; ++i) {
         mean += model_ramp(models.ramp[i], start.y, path.y);

@@ -9,6 +9,9 @@
 #define MODEL_MAX_POLYNOMIALS 32
 #define MODEL_MAX_OBJECTS 64
 #define MODEL_MAX_SEPARABLES 8
+#define MODEL_FRACTION_LINEAR 1.0f
+#define MODEL_FRACTION_EXP2 2.0f
+#define MODEL_SATURATED 200.0f  // optical depth of linear fog where it hides everything
 
 #ifdef __cplusplus
 struct ModelBlock {
@@ -20,7 +23,8 @@ layout(std140) uniform ModelBlock {
     ivec4 count;       // x: halfspaces, y: ramp pieces, z: exponentials, w: waves
     ivec4 count_more;  // x: polynomials, y: objects, z: separables, w: side of a tile of particles, pixels
     vec4 plane[MODEL_MAX_HALFSPACES];            // xyz: unit normal, w: the eye's height over it
-    vec4 plane_density[MODEL_MAX_HALFSPACES];    // x: extinction, y: gradient, 1/m^2
+    vec4 plane_density[MODEL_MAX_HALFSPACES];    // x: extinction, y: gradient, 1/m^2, z: 1 for the
+                                                 // fraction linear, 2 for exp2, w: clear optical depth
     vec4 plane_high[MODEL_MAX_HALFSPACES];       // normal . ray of a pixel, as ViewBlock's ray_high
     vec4 plane_low[MODEL_MAX_HALFSPACES];
     vec4 ramp[MODEL_MAX_RAMPS];                  // x: low, y: high, z: extinction at low, w: slope

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <array>
+
 #include "axis_reader.h"
 
 namespace wavefog::detail {
@@ -21,12 +23,22 @@ double number_or(const JsonValue& value, const char* key, double otherwise) {
 }
 
 Halfspace read_halfspace(const JsonValue& value) {
-    value.only({"model", "wind", "channels", "normal", "point", "extinction", "gradient"});
+    value.only({"model", "wind", "channels", "normal", "point", "extinction", "gradient",
+                "fraction", "start"});
     if (!value.find("extinction") && !value.find("gradient"))
         value.fail(
             "needs \"extinction\" (1/m), \"gradient\" (1/m for each metre of depth), or both");
-    return {unit_vector(value.key("normal")), value.key("point").vector3(),
-            number_or(value, "extinction", 0), number_or(value, "gradient", 0)};
+    auto fraction = Halfspace::Fraction::exp;
+    if (const auto key = value.find("fraction")) {
+        using enum Halfspace::Fraction;
+        fraction = std::array{exp, linear, exp2}[key->choice({"exp", "linear", "exp2"})];
+    }
+    return {unit_vector(value.key("normal")),
+            value.key("point").vector3(),
+            number_or(value, "extinction", 0),
+            number_or(value, "gradient", 0),
+            fraction,
+            number_or(value, "start", 0)};
 }
 
 FogModel read_layers(const JsonValue& value) {
@@ -142,9 +154,8 @@ Separable read_separable(const JsonValue& value) {
 }
 
 FogModel read_unchecked(const JsonValue& value) {
-    switch (value.key("model").choice(
-        {"wavelet", "halfspace", "layers", "cosines", "polynomials", "potentials", "separable",
-         "particles"})) {
+    switch (value.key("model").choice({"wavelet", "halfspace", "layers", "cosines", "polynomials",
+                                       "potentials", "separable", "particles"})) {
         case 1:
             return read_halfspace(value);
         case 2:

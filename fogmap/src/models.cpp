@@ -56,6 +56,21 @@ double mean(const Halfspace& fog, const Segment& segment) {
     return inside * (fog.extinction + fog.gradient * (std::max(a, 0.0) + std::max(b, 0.0)) / 2);
 }
 
+/// -log of the transmittance that the fog's fraction has for the optical depth `tau`.
+double apparent(const Halfspace& fog, double tau) {
+    switch (fog.fraction) {
+        case Halfspace::Fraction::exp:
+            return tau;
+        case Halfspace::Fraction::exp2:
+            return tau * tau;
+        case Halfspace::Fraction::linear:
+            break;
+    }
+    const double fogged = std::max(tau - fog.extinction * fog.start, 0.0);
+    return fogged < 1 ? std::min(-std::log1p(-fogged), Halfspace::kSaturated)
+                      : Halfspace::kSaturated;
+}
+
 /// Piece i of a ramp lies below point i, the last one above all points.
 struct RampPiece {
     double low, high, extinction, slope;  ///< extinction at y is extinction + slope (y - datum)
@@ -282,7 +297,10 @@ double optical_depth(const FogModel& model, const Vector3d& o, const Vector3d& p
     const Segment segment{o, p - o};
     const double metres = segment.path.norm();
     if (metres == 0) return 0;
-    return metres * std::visit([&](const auto& fog) { return mean(fog, segment); }, model);
+    const double tau =
+        metres * std::visit([&](const auto& fog) { return mean(fog, segment); }, model);
+    const auto* plane = std::get_if<Halfspace>(&model);
+    return plane ? apparent(*plane, tau) : tau;
 }
 
 double optical_depth(const std::vector<FogModel>& models, const Vector3d& o, const Vector3d& p) {

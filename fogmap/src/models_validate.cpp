@@ -94,6 +94,10 @@ void check(Checks& checks, const Halfspace& fog) {
     checks.finite("point", fog.point);
     checks.not_negative("extinction", fog.extinction);
     checks.not_negative("gradient", fog.gradient);
+    checks.not_negative("start", fog.start);
+    checks.that(
+        fog.start == 0 || fog.fraction == Halfspace::Fraction::linear,
+        fmt::format("start is {}, which needs the fraction linear; leave it out", fog.start));
 }
 
 void check(Checks& checks, const Ramp& fog) {
@@ -244,6 +248,10 @@ Result<void> validate(const FogModel& model) {
     if (auto ok = validate(model.channels); !ok) return ok;
     Checks checks;
     std::visit([&](const auto& fog) { check(checks, fog); }, model);
+    // A share of a fraction's optical depth is no fraction: (1 - tau)^share, not 1 - share tau.
+    if (const auto* plane = std::get_if<Halfspace>(&model))
+        checks.that(plane->fraction == Halfspace::Fraction::exp || model.channels == kAllChannels,
+                    "channels go with the fraction exp alone; leave channels out, or fraction");
     return checks.result();
 }
 

@@ -49,7 +49,13 @@ class Writer {
     void add(const Halfspace& fog) {
         const int i = block_.count.x++;
         block_.plane[i] = to_vec4(fog.normal, fog.normal.dot(eye_ - fog.point));
-        block_.plane_density[i] = to_vec4(fog.extinction, fog.gradient);
+        using enum Halfspace::Fraction;
+        static_assert(MODEL_SATURATED == Halfspace::kSaturated);
+        const float fraction = fog.fraction == linear ? MODEL_FRACTION_LINEAR
+                               : fog.fraction == exp2 ? MODEL_FRACTION_EXP2
+                                                      : 0.0f;
+        block_.plane_density[i] =
+            to_vec4(fog.extinction, fog.gradient, fraction, fog.extinction * fog.start);
         if (!split_) return;
         const SplitSum along = split_(fog.normal);
         block_.plane_high[i] = to_vec4(along.high, 0);

@@ -77,8 +77,8 @@ TEST_CASE("generate: a seed gives the same bytes in every format, another seed a
         for (const std::string extension : {"png", "tif", "exr"}) {
             CAPTURE(model + " " + extension);
             const auto make = [&](const std::string& name, const char* seed) {
-                const json facts = generate(work, {model, "-o", name + "." + extension, "--seed",
-                                                   seed, "--size", "40x33"});
+                const json facts = generate(
+                    work, {model, "-o", name + "." + extension, "--seed", seed, "--size", "40x33"});
                 CHECK(facts["seed"] == std::stoull(seed));
                 CHECK(facts["size"] == json({40, 33}));
                 return work.read_text(name + "." + extension);
@@ -107,7 +107,7 @@ TEST_CASE("generate: noise is fog, 0 to 1, on the share of the map that is asked
             const auto [low, high] = std::minmax_element(p.pixels.begin(), p.pixels.end());
             CHECK(*low == 0.0f);
             CHECK(*high == (coverage > 0 ? 1.0f : 0.0f));
-            // The pixel at the threshold itself is 0; 
+            // The pixel at the threshold itself is 0;
             CHECK(std::abs(fogged_share(p) - coverage) <= 2.0 / double(p.pixels.size()));
         }
 }
@@ -128,8 +128,8 @@ TEST_CASE("generate: every option of noise does what it says") {
         const double rough = roughness(noise(work, {model, "--coverage", "1"}));
         CHECK(rough > 1.3 * plain);
         CHECK(roughness(noise(work, {model, "--coverage", "1", "--gain", "0.8"})) > 1.3 * rough);
-        CHECK(roughness(noise(work, {model, "--coverage", "1", "--octaves", "3", "--lacunarity",
-                                     "6"})) >
+        CHECK(roughness(
+                  noise(work, {model, "--coverage", "1", "--octaves", "3", "--lacunarity", "6"})) >
               1.3 * roughness(noise(work, {model, "--coverage", "1", "--octaves", "3"})));
         // No gain: only the first octave counts.
         CHECK(largest_difference(noise(work, {model, "--coverage", "1", "--gain", "0"}),
@@ -189,8 +189,8 @@ TEST_CASE("generate: --mean keeps the optical depth of vertical rays, maps inclu
     const json facts = generate(work, {"scene.json", "-o", "mean.exr", "--mean", "-1,20", "--size",
                                        "16x16"});  // the map's own rectangle
     CHECK(facts["rect"] == json({-8, -8, 8, 8}));
-    REQUIRE(work.run({"convert", "mean.exr", "-o", "fog.exr", "--rect", "-8,-8,8,8",
-                      "--extinction", facts["extinction"].dump(), "--profile", "slab:-1,20"})
+    REQUIRE(work.run({"convert", "mean.exr", "-o", "fog.exr", "--rect", "-8,-8,8,8", "--extinction",
+                      facts["extinction"].dump(), "--profile", "slab:-1,20"})
                 .status == 0);
     std::string rays;
     for (const char* place : {"-7.5,%,-7.5", "0.5,%,3.5", "6.5,%,-2.5"}) {
@@ -216,10 +216,27 @@ TEST_CASE("generate: --mean keeps the optical depth of vertical rays, maps inclu
     for (std::size_t i = 0; i < 3; ++i) CHECK(map[i] == doctest::Approx(scene[i]).epsilon(1e-6));
 }
 
-TEST_CASE("generate: a tile of a scene has no seam and stays the scene's beyond the first quarter") {
+TEST_CASE("generate: a map holds a halfspace's extinction, whatever its fraction") {
+    const Workspace work;
+    const auto pixels = [&](const std::string& more) {
+        work.write_text("scene.json", R"({"camera": {"eye": [0, 1, 0], "target": [0, 1, -1]},
+            "fog": [{"model": "halfspace", "normal": [0.6, 0.8, 0], "point": [0, 4, 0],
+                     "extinction": 0.05)" +
+                                          more + "}]}");
+        generate(work, {"scene.json", "-o", "map.exr", "--mean", "-1,60", "--size", "16x16",
+                        "--rect", "-8,-8,8,8"});
+        return read_picture(work.path("map.exr")).pixels;
+    };
+    const auto plain = pixels("");
+    CHECK(pixels(R"(, "fraction": "exp2")") == plain);
+    CHECK(pixels(R"(, "fraction": "linear", "start": 3)") == plain);
+}
+
+TEST_CASE(
+    "generate: a tile of a scene has no seam and stays the scene's beyond the first quarter") {
     const Workspace work;
     work.write_text("scene.json", kScene);
-    const std::vector<std::string> arguments = {"scene.json", "--height", "2",  "--rect",
+    const std::vector<std::string> arguments = {"scene.json", "--height", "2",    "--rect",
                                                 "0,0,39,8",   "--size",   "78x16"};
     const auto map = [&](const std::string& name, bool tile) {
         auto all = arguments;
@@ -258,10 +275,17 @@ TEST_CASE("generate: what makes no sense is refused, named, and leaves no file")
     refused({"perlin", "--seed", "-1"}, 2, "--seed");
     refused({"perlin", "--size", "0x4"}, 2, "'0x4' is not a map's size");
     refused({"perlin", "--size", "40000x40000"}, 2, "2^30 pixels");
-    for (const auto& [flag, value] :
-         {std::pair{"--features", "0"}, {"--features", "257"}, {"--octaves", "0"},
-          {"--octaves", "17"}, {"--gain", "1.1"}, {"--gain", "nan"}, {"--lacunarity", "1"},
-          {"--lacunarity", "9"}, {"--warp", "-1"}, {"--warp", "5"}, {"--coverage", "1.01"}})
+    for (const auto& [flag, value] : {std::pair{"--features", "0"},
+                                      {"--features", "257"},
+                                      {"--octaves", "0"},
+                                      {"--octaves", "17"},
+                                      {"--gain", "1.1"},
+                                      {"--gain", "nan"},
+                                      {"--lacunarity", "1"},
+                                      {"--lacunarity", "9"},
+                                      {"--warp", "-1"},
+                                      {"--warp", "5"},
+                                      {"--coverage", "1.01"}})
         refused({"perlin", flag, value}, 2, flag);
     refused({"perlin", "--height", "1"}, 2, "are about scenes and particles");
     refused({"scene.json", "--height", "1", "--seed", "3"}, 2, "about noise");

@@ -104,9 +104,24 @@ inline std::vector<FogModel> random_models(Random& random,
             random_separable(random, offset, true)};
 }
 
+/// Halfspaces whose fog fraction is OpenGL's linear or exp2: parts of a ray do not add up in them.
+inline std::vector<FogModel> random_fractions(Random& random,
+                                              const Eigen::Vector3d& offset = {0, 0, 0}) {
+    using enum Halfspace::Fraction;
+    const Eigen::Vector3d level = offset + Eigen::Vector3d(0, 3, 0), up(0, 1, 0);
+    const Eigen::Vector3d tilted = random_direction(random);
+    return {Halfspace{up, level, 0.02, 0, linear},
+            Halfspace{up, level, 0, 0.002, linear},
+            Halfspace{tilted, offset + random_vector(random, 10), 0.02, 0, linear, 12},
+            Halfspace{tilted, offset + random_vector(random, 10), 0.01, 0.001, linear},
+            Halfspace{up, level, 0.02, 0, exp2},
+            Halfspace{up, level, 0, 0.002, exp2},
+            Halfspace{tilted, offset + random_vector(random, 10), 0.01, 0.001, exp2}};
+}
+
 inline std::string kind_name(const FogModel& model) {
-    constexpr const char* names[] = {"halfspace", "ramp",        "exponential",
-                                     "cosines",   "polynomials", "potentials", "separable"};
+    constexpr const char* names[] = {"halfspace",   "ramp",       "exponential", "cosines",
+                                     "polynomials", "potentials", "separable"};
     return names[model.index()];
 }
 

@@ -5,7 +5,7 @@
 
 #include "fogmap/fog_support.h"
 #include "fogmap/model_support.h"
-#include "fogmap/temp_dir.h"
+#include "support/temp_dir.h"
 #include "wavefog/fogmap/scene.h"
 
 using namespace wavefog;
@@ -85,6 +85,48 @@ TEST_CASE("models: halfspaces equal the four-case tables of the paper") {
     for (const int count : cases) CHECK(count > 400);
 }
 
+TEST_CASE("models: fog fractions of the true distance, by the paper's table 1") {
+    Random random(12);
+    int clear = 0, hidden = 0, between = 0;
+    for (int round = 0; round < 20; ++round)
+        for (const FogModel& model : random_fractions(random)) {
+            REQUIRE(complaint(model) == "valid");
+            const Halfspace& fog = std::get<Halfspace>(model);
+            Halfspace plain = fog;
+            plain.fraction = Halfspace::Fraction::exp;
+            plain.start = 0;
+            for (const auto& [o, p] : model_segments(random, 40)) {
+                const double depth = quadrature(plain, o, p);  // rho d of the table
+                double expected = std::exp(-depth * depth);
+                if (fog.fraction == Halfspace::Fraction::linear) {
+                    // rho (e - d), the fog's end e being 1 / rho behind its start.
+                    expected = std::clamp(1 + fog.extinction * fog.start - depth, 0.0, 1.0);
+                    ++(expected == 1 ? clear : expected == 0 ? hidden : between);
+                }
+                const double tau = optical_depth(model, o, p);
+                CHECK(std::isfinite(tau));
+                CHECK_LE(std::abs(std::exp(-tau) - expected), 1e-9);
+                CHECK_LE(std::abs(tau - optical_depth(model, p, o)), 1e-11 * (1 + tau * 1e3));
+            }
+        }
+    for (const int count : {clear, hidden, between}) CHECK(count > 200);
+}
+
+TEST_CASE("models: linear fog ends where OpenGL's does") {
+    using enum Halfspace::Fraction;
+    // GL_FOG_START = 10 m, GL_FOG_END = 60 m, all of space behind the plane.
+    const Halfspace fog{{0, 1, 0}, {0, 1e4, 0}, 0.02, 0, linear, 10};
+    const auto clarity = [&](double d) {
+        return std::exp(-optical_depth(fog, {0, 0, 0}, {d, 0, 0}));
+    };
+    CHECK(clarity(0) == 1);
+    CHECK(clarity(10) == 1);
+    CHECK(clarity(35) == doctest::Approx(0.5).epsilon(1e-12));
+    CHECK(clarity(60) < 1e-12);
+    CHECK(clarity(61) < 1e-80);
+    CHECK(clarity(1e9) < 1e-80);
+}
+
 TEST_CASE("models: F.V = 0, in the plane, beside it and far along it") {
     const Halfspace constant{{0, 1, 0}, {0, 3, 0}, 0.04, 0}, linear{{0, 1, 0}, {0, 3, 0}, 0, 0.01};
     CHECK(optical_depth(constant, {0, 2, 0}, {50, 2, 0}) == doctest::Approx(2));
@@ -140,6 +182,13 @@ TEST_CASE("models: every invalid parameter is named") {
     CHECK(contains(complaint(Halfspace{{0, 1, 0}, {nan, 0, 0}, 1, 0}), "point is [nan"));
     CHECK(contains(complaint(Halfspace{{0, 1, 0}, origin, -1, 0}), "extinction is -1"));
     CHECK(contains(complaint(Halfspace{{0, 1, 0}, origin, 0, -2}), "gradient is -2"));
+    using enum Halfspace::Fraction;
+    CHECK(contains(complaint(Halfspace{{0, 1, 0}, origin, 1, 0, linear, -3}), "start is -3"));
+    CHECK(contains(complaint(Halfspace{{0, 1, 0}, origin, 1, 0, exp2, 3}),
+                   "start is 3, which needs the fraction linear"));
+    FogModel tinted = Halfspace{{0, 1, 0}, origin, 1, 0, exp2};
+    tinted.channels = {1, 0.5, 0.25};
+    CHECK(contains(complaint(tinted), "channels go with the fraction exp alone"));
     CHECK(contains(complaint(Ramp{{{0, 1}}}), "points has 1 entries"));
     CHECK(contains(complaint(Ramp{{{0, 1}, {0, 0}}}), "points[1]: y is 0, after 0"));
     CHECK(contains(complaint(Ramp{{{0, 1}, {1, -1}}}), "points[1]: extinction is -1"));
@@ -229,6 +278,9 @@ TEST_CASE("models: scene files hold them beside maps, and mistakes name the key"
              "fog[0]: normal is [0, 0, 0]"},
             {R"({"model": "halfspace", "normal": [0, 1, 0], "point": [0, 0, 0]})",
              "fog[0]: needs \"extinction\""},
+            {R"({"model": "halfspace", "normal": [0, 1, 0], "point": [0, 0, 0], "extinction": 1,
+                 "fraction": "exp3"})",
+             "fog[0].fraction: is \"exp3\"; it must be one of"},
             {R"({"model": "particles", "position": [0, 0, 0], "rate": 9, "radius": [1, 1]})",
              "fog[0].source: is missing"},
             {R"({"model": "particles", "source": "fog", "position": [0, 0, 0], "rate": 9,
@@ -237,7 +289,8 @@ TEST_CASE("models: scene files hold them beside maps, and mistakes name the key"
             {R"({"model": "particles", "source": "smoke", "position": [0, 0, 0], "rate": 9,
                  "radius": [1, 1], "direction": [0, 0, 0]})",
              "fog[0]: direction is 0"},
-            {R"({"model": "cosines", "extinction": 1, "waves": [{"extinction": 1, "direction": [1, 0, 0], "frequency": 1}], "wind": 3})", "fog[0].wind: "},
+            {R"({"model": "cosines", "extinction": 1, "waves": [{"extinction": 1, "direction": [1, 0, 0], "frequency": 1}], "wind": 3})",
+             "fog[0].wind: "},
             {R"({"model": "halfspace", "normal": [0, 1, 0], "point": [0, 0, 0], "extinction": -1})",
              "fog[0]: extinction is -1"},
             {R"({"model": "layers", "profile": "ramp", "points": []})", "fog[0]: points has 0"},

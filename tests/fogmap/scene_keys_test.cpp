@@ -6,7 +6,7 @@
 #include <set>
 
 #include "fogmap/model_support.h"
-#include "fogmap/temp_dir.h"
+#include "support/temp_dir.h"
 #include "wavefog/fogmap/scene.h"
 
 using namespace wavefog;
@@ -18,6 +18,8 @@ namespace {
 const char* const kFogs[] = {
     R"({"model": "halfspace", "normal": [0, 1, 0], "point": [0, 3, 0], "extinction": 0.1,
         "gradient": 0.2, "wind": [1, 2], "channels": [1, 0.5, 0.25]})",
+    R"({"model": "halfspace", "normal": [0, 1, 0], "point": [0, 3, 0], "extinction": 0.1,
+        "fraction": "linear", "start": 5})",
     R"({"model": "layers", "profile": "ramp", "points": [[0, 0.1], [4, 0.2], [6, 0.1]]})",
     R"({"model": "layers", "profile": "exponential", "extinction": 0.1, "base": 2, "scale": 3})",
     R"({"model": "layers", "profile": "depth", "surface": 2, "gradient": 0.1})",
@@ -50,9 +52,9 @@ const char* const kFogs[] = {
 /// share of what is added, as long as the sum is not negative.
 bool any_number(const std::string& key, const json::json_pointer& at) {
     static const std::set<std::string> places = {
-        "normal", "point",  "base",  "surface", "begin", "end",  "direction", "frequency",
-        "phase",  "centre", "line",  "sphere",  "bottom", "top", "position",  "lift",
-        "wind",   "time",   "rect",  "cosine",  "height"};
+        "normal",    "point", "base",   "surface", "begin",  "end",    "direction",
+        "frequency", "phase", "centre", "line",    "sphere", "bottom", "top",
+        "position",  "lift",  "wind",   "time",    "rect",   "cosine", "height"};
     // A ramp's points are [y, extinction].
     return places.contains(key) || key == "coefficients" || (key == "points" && at.back() == "0");
 }
@@ -63,9 +65,9 @@ struct Sweep {
 
     /// "" if it loads.
     std::string complaint(const json& fog) {
-        write_bytes(dir / "scene.json",
-                    json{{"camera", {{"eye", {0, 2, 0}}, {"target", {0, 2, -1}}}}, {"fog", {fog}}}
-                        .dump());
+        write_bytes(
+            dir / "scene.json",
+            json{{"camera", {{"eye", {0, 2, 0}}, {"target", {0, 2, -1}}}}, {"fog", {fog}}}.dump());
         const auto scene = load_scene(dir / "scene.json");
         return scene ? "" : scene.error().message;
     }
@@ -103,10 +105,10 @@ struct Sweep {
             check(whole, at, key, -1e-3, any_number(key, at) || share);
             check(whole, at, key, -1e9, any_number(key, at));
             // 0 leaves no fog, or no period: what may not be 0 is named.
-            check(whole, at, key, 0, !(key == "scale" || key == "reach" || key == "radius" ||
-                                       key == "half_width" || key == "rate" || key == "step" ||
-                                       key == "life" || key == "features" || key == "octaves" ||
-                                       key == "opacity" || key == "exponential"));
+            check(whole, at, key, 0,
+                  !(key == "scale" || key == "reach" || key == "radius" || key == "half_width" ||
+                    key == "rate" || key == "step" || key == "life" || key == "features" ||
+                    key == "octaves" || key == "opacity" || key == "exponential"));
         }
         if (here.is_array()) {
             json fewer = here, more = here;
@@ -171,22 +173,30 @@ TEST_CASE("scene keys: NaN, infinity and overflow are refused by the library, by
         }
         field = good;
     };
-    const auto sweep = [&](auto& model, std::initializer_list<std::pair<double*, const char*>> fields) {
+    const auto sweep = [&](auto& model,
+                           std::initializer_list<std::pair<double*, const char*>> fields) {
         for (const auto& [field, key] : fields) named(model, *field, key);
     };
-    Halfspace plane{{0, 1, 0}, {1, 2, 3}, 0.1, 0.2};
-    sweep(plane, {{&plane.normal.x(), "normal"}, {&plane.point.z(), "point"},
-                  {&plane.extinction, "extinction"}, {&plane.gradient, "gradient"}});
+    Halfspace plane{{0, 1, 0}, {1, 2, 3}, 0.1, 0.2, Halfspace::Fraction::linear, 4};
+    sweep(plane, {{&plane.normal.x(), "normal"},
+                  {&plane.point.z(), "point"},
+                  {&plane.extinction, "extinction"},
+                  {&plane.gradient, "gradient"},
+                  {&plane.start, "start"}});
     Ramp ramp{{{0, 0.1}, {1, 0.2}}};
-    sweep(ramp, {{&ramp.points[0].y, "points[0]"}, {&ramp.points[1].y, "points[1]"},
+    sweep(ramp, {{&ramp.points[0].y, "points[0]"},
+                 {&ramp.points[1].y, "points[1]"},
                  {&ramp.points[1].extinction, "points[1]: extinction"}});
     ExponentialLayer layer{0.1, 1, 2};
-    sweep(layer, {{&layer.extinction, "extinction"}, {&layer.base, "base"}, {&layer.scale, "scale"}});
+    sweep(layer,
+          {{&layer.extinction, "extinction"}, {&layer.base, "base"}, {&layer.scale, "scale"}});
     Cosines cosines = random_cosines(random);
     auto& wave = cosines.waves[1];
-    sweep(cosines, {{&cosines.extinction, "extinction"}, {&wave.extinction, "waves[1].extinction"},
+    sweep(cosines, {{&cosines.extinction, "extinction"},
+                    {&wave.extinction, "waves[1].extinction"},
                     {&wave.direction.y(), "waves[1].direction"},
-                    {&wave.frequency, "waves[1].frequency"}, {&wave.phase, "waves[1].phase"}});
+                    {&wave.frequency, "waves[1].frequency"},
+                    {&wave.phase, "waves[1].phase"}});
     Polynomials polynomials = random_polynomials(random, {0, 0, 0});
     auto& term = polynomials.terms[2];
     sweep(polynomials, {{&term.extinction, "polynomials[2].extinction"},
@@ -196,21 +206,31 @@ TEST_CASE("scene keys: NaN, infinity and overflow are refused by the library, by
                         {&term.half_width, "polynomials[2].half_width"}});
     Potentials potentials = random_potentials(random, {0, 0, 0});
     auto &line = potentials.objects[1], &sphere = potentials.objects[2];
-    sweep(potentials, {{&potentials.extinction, "extinction"}, {&line.from.x(), "objects[1].line"},
-                       {&line.to.y(), "objects[1].line"}, {&line.reach, "objects[1].reach"},
+    sweep(potentials, {{&potentials.extinction, "extinction"},
+                       {&line.from.x(), "objects[1].line"},
+                       {&line.to.y(), "objects[1].line"},
+                       {&line.reach, "objects[1].reach"},
                        {&sphere.radius, "objects[2].radius"},
                        {&sphere.extinction, "objects[2].extinction"}});
     Separable separable = random_separable(random, {0, 0, 0}, true);
-    sweep(separable, {{&separable.extinction, "extinction"}, {&separable.axes[0].begin, "x.begin"},
-                      {&separable.axes[2].end, "z.end"}, {&separable.axes[1].values[3], "y.values[3]"}});
+    sweep(separable, {{&separable.extinction, "extinction"},
+                      {&separable.axes[0].begin, "x.begin"},
+                      {&separable.axes[2].end, "z.end"},
+                      {&separable.axes[1].values[3], "y.values[3]"}});
 
     ParticleSource source;
-    for (const auto& [field, key] :
-         {std::pair{&source.position.x(), "position"}, {&source.area, "area"},
-          {&source.direction.y(), "direction"}, {&source.spread, "spread_deg"},
-          {&source.speed, "speed"}, {&source.rate, "rate"}, {&source.step, "step"},
-          {&source.radius[0], "radius[0]"}, {&source.radius[1], "radius[1]"},
-          {&source.opacity, "opacity"}, {&source.lift, "lift"}, {&source.drag, "drag"}}) {
+    for (const auto& [field, key] : {std::pair{&source.position.x(), "position"},
+                                     {&source.area, "area"},
+                                     {&source.direction.y(), "direction"},
+                                     {&source.spread, "spread_deg"},
+                                     {&source.speed, "speed"},
+                                     {&source.rate, "rate"},
+                                     {&source.step, "step"},
+                                     {&source.radius[0], "radius[0]"},
+                                     {&source.radius[1], "radius[1]"},
+                                     {&source.opacity, "opacity"},
+                                     {&source.lift, "lift"},
+                                     {&source.drag, "drag"}}) {
         const double good = *field;
         for (const double value : bad) {
             *field = value;

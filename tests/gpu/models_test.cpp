@@ -23,6 +23,12 @@ ModelsOnCpu shader_of(const std::vector<FogModel>& models) {
     return *shader;
 }
 
+std::vector<FogModel> all_models(Random& random, const Vector3d& offset = {0, 0, 0}) {
+    auto models = random_models(random, offset);
+    for (FogModel& model : random_fractions(random, offset)) models.push_back(std::move(model));
+    return models;
+}
+
 double error(const ModelsOnCpu& shader, const FogModel& model, const Segment3& s) {
     const double tau = shader.optical_depth(s.first, s.second);
     REQUIRE(std::isfinite(tau));
@@ -51,13 +57,13 @@ void check_models(const std::vector<FogModel>& models, const std::vector<Segment
 TEST_CASE("models: random, level, vertical, short and grazing rays") {
     Random random(101);
     for (int round = 0; round < 4; ++round)
-        check_models(random_models(random), model_segments(random, 1000));
+        check_models(all_models(random), model_segments(random, 1000));
 }
 
 TEST_CASE("models: 1e6 m from the origin") {
     Random random(103);
     const Vector3d offset(1e6, 0, -1e6);
-    check_models(random_models(random, offset), model_segments(random, 1000, offset));
+    check_models(all_models(random, offset), model_segments(random, 1000, offset));
 }
 
 TEST_CASE("models: in the plane, along borders, of no length") {
@@ -65,6 +71,8 @@ TEST_CASE("models: in the plane, along borders, of no length") {
         Halfspace{{0, 1, 0}, {0, 3, 0}, 0.02, 0},
         Halfspace{{0, 1, 0}, {0, 3, 0}, 0, 0.01},
         Ramp{{{0, 0}, {3, 0.02}, {5, 0.02}, {9, 0}}},
+        Halfspace{{0, 1, 0}, {0, 3, 0}, 0.02, 0, Halfspace::Fraction::linear, 5},
+        Halfspace{{0, 1, 0}, {0, 3, 0}, 0.02, 0, Halfspace::Fraction::exp2},
         ExponentialLayer{0.02, 3, 2},
         Cosines{0.02, {{0.02, {0, 1, 0}, 0.7, 0}}},
         Polynomials{
@@ -84,7 +92,7 @@ TEST_CASE("models: in the plane, along borders, of no length") {
 
 TEST_CASE("models: rays as long as the sky's") {
     Random random(107);
-    const auto models = random_models(random);
+    const auto models = all_models(random);
     std::vector<Segment3> segments;
     for (int i = 0; i < 500; ++i) {
         const Vector3d o = random_vector(random, 20);

@@ -15,10 +15,23 @@ namespace wavefog {
 /// Fog on one side of a plane (Lengyel, "Unified Distance Formulas for Halfspace Fog"). At depth s
 /// metres behind the plane the extinction is extinction + gradient * s.
 struct Halfspace {
+    /// Transmittance of a ray with the optical depth tau in this fog (table 1 there, with the true
+    /// distance). Only `exp` is the law of Beer; the others, OpenGL's, hold for whole rays: parts
+    /// of one do not add up.
+    enum class Fraction {
+        exp,     ///< exp(-tau)
+        linear,  ///< 1 - (tau - extinction * start), in [0, 1]
+        exp2     ///< exp(-tau^2)
+    };
     Eigen::Vector3d normal{0, 1, 0};  ///< unit length, points out of the fog
     Eigen::Vector3d point{0, 0, 0};   ///< any point of the plane
     double extinction = 0;            ///< constant part, eq. 5; 1/m
     double gradient = 0;              ///< linear part (the paper's a), eq. 13; 1/m^2
+    Fraction fraction = Fraction::exp;
+    double start = 0;  ///< linear: metres of constant fog before it shows (GL_FOG_START); it
+                       ///< saturates 1 / extinction further (the paper's e, GL_FOG_END)
+    /// Optical depth of linear fog that has saturated: no share of it that a float holds is left.
+    static constexpr double kSaturated = 200;
 };
 
 /// Fog that changes with height alone (paper 001, section 3.2.2): straight lines between points,
@@ -111,8 +124,8 @@ struct Separable {
 using Channels = std::array<double, 3>;
 inline constexpr Channels kAllChannels = {1, 1, 1};
 
-struct FogModel : std::variant<Halfspace, Ramp, ExponentialLayer, Cosines, Polynomials, Potentials,
-                               Separable> {
+struct FogModel
+    : std::variant<Halfspace, Ramp, ExponentialLayer, Cosines, Polynomials, Potentials, Separable> {
     using variant::variant;
     Channels channels = kAllChannels;
 };
@@ -123,11 +136,13 @@ Result<void> validate(const Channels& channels);
 /// A data error that names the field, as in the scene file: "waves[1].direction is [0, 0, 0]; ...".
 Result<void> validate(const FogModel& model);
 
-/// Extinction at a point, 1/m, before `channels`. The model must pass validate(), here and below.
+/// Extinction at a point, 1/m, before `channels` and any Halfspace::Fraction. The model must pass
+/// validate(), here and below.
 double extinction(const FogModel& model, const Eigen::Vector3d& point);
 
 /// Integral of extinction from O to P in double, before `channels`: 0 for a zero-length segment,
-/// symmetric, additive (but Separable::Integral::published).
+/// symmetric, additive (but Separable::Integral::published). Of a halfspace with another fraction
+/// -log T, up to kSaturated.
 double optical_depth(const FogModel& model, const Eigen::Vector3d& o, const Eigen::Vector3d& p);
 
 /// Several fogs add their optical depths.
