@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <iterator>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "wavefog/fogmap/particles.h"
 #include "wavefog/gpu/fog_pass.h"
 #include "wavefog/gpu/frame.h"
+#include "wavefog/gpu/timer.h"
 #include "wavefog/wavelet/interpolate.h"
 
 namespace wavefog::cli {
@@ -21,26 +23,29 @@ namespace {
 constexpr int kSizes[] = {64, 128, 256, 512, 1024};
 constexpr int kCounts[] = {0, 20, 200, 2000, 20000};
 constexpr double kRows = std::size(kSizes) + std::size(kCounts);
-constexpr double kMedians = 3 * std::size(kSizes) + 2 * std::size(kCounts);
 constexpr int kLeastRuns = 3, kMostRuns = 400;
 
-/// Median of milliseconds within about `seconds`, after one run that allocates.
-template <class Work>
-Result<double> median_ms(double seconds, const Work& work) {
+using Work = std::function<Result<void>(int run)>;
+
+/// Milliseconds of works that take turns for about `seconds` in all, after one run each that
+/// allocates.
+Result<std::vector<Samples>> take_turns(double seconds, const std::vector<Work>& works) {
     using Clock = std::chrono::steady_clock;
-    std::vector<double> times;
+    std::vector<Samples> times(works.size());
     const auto start = Clock::now();
     for (int run = 0; run <= kMostRuns; ++run) {
-        const auto before = Clock::now();
-        if (auto ok = work(run); !ok) return tl::unexpected(ok.error());
-        const auto now = Clock::now();
-        if (run > 0)
-            times.push_back(std::chrono::duration<double, std::milli>(now - before).count());
-        if (run >= kLeastRuns && std::chrono::duration<double>(now - start).count() > seconds)
+        for (std::size_t i = 0; i < works.size(); ++i) {
+            const auto before = Clock::now();
+            if (auto ok = works[i](run); !ok) return tl::unexpected(ok.error());
+            if (run > 0)
+                times[i].add(
+                    std::chrono::duration<double, std::milli>(Clock::now() - before).count());
+        }
+        if (run >= kLeastRuns &&
+            std::chrono::duration<double>(Clock::now() - start).count() > seconds)
             break;
     }
-    std::nth_element(times.begin(), times.begin() + std::ptrdiff_t(times.size() / 2), times.end());
-    return times[times.size() / 2];
+    return times;
 }
 
 /// Soft banks that differ with the phase.
@@ -67,26 +72,26 @@ Result<void> study_maps(const Gl& gl, double seconds, Facts& rows) {
         const Fog first = *fog;
         const auto& like = first.decomposition;
         Decomposition<float> made;
-        const auto decomposed = median_ms(seconds, [&](int run) {
-            return decompose_into(maps[run % 2], like.family, like.levels(), like.form,
-                                  like.boundary, made);
-        });
-        const auto mixed = median_ms(seconds, [&](int run) {
-            return interpolate(like, other->decomposition, (run % 64 + 0.5) / 64,
-                               fog->decomposition);
-        });
-        const auto uploaded = median_ms(seconds, [&](int) {
-            auto ok = textures->update(gl, *fog);
-            gl.Finish();
-            return ok;
-        });
-        for (const auto* time : {&decomposed, &mixed, &uploaded})
-            if (!*time) return tl::unexpected(time->error());
+        const auto times = take_turns(
+            seconds, {[&](int run) {
+                          return decompose_into(maps[run % 2], like.family, like.levels(),
+                                                like.form, like.boundary, made);
+                      },
+                      [&](int run) {
+                          return interpolate(like, other->decomposition, (run % 64 + 0.5) / 64,
+                                             fog->decomposition);
+                      },
+                      [&](int) {
+                          auto ok = textures->update(gl, *fog);
+                          gl.Finish();
+                          return ok;
+                      }});
+        if (!times) return tl::unexpected(times.error());
         rows.push_back({{"size", size},
                         {"levels", like.levels()},
-                        {"decompose_ms", *decomposed},
-                        {"mix_ms", *mixed},
-                        {"textures_ms", *uploaded}});
+                        {"decompose_ms", (*times)[0].median()},
+                        {"mix_ms", (*times)[1].median()},
+                        {"textures_ms", (*times)[2].median()}});
     }
     return {};
 }
@@ -119,27 +124,45 @@ Result<void> study_particles(const Gl& gl, double seconds, Facts& rows) {
         make_texture_2d(gl, GL_RGBA32F, kWidth, kHeight, GL_RGBA, GL_FLOAT, nullptr);
     const Result<Framebuffer> output = make_framebuffer(gl, picture.name());
     if (!output) return tl::unexpected(output.error());
+    struct Drifting {
+        FogPass pass;
+        ParticleSystem system;
+        std::vector<Particle> now = {};
+    };
+    std::vector<Drifting> all;
     for (const int count : kCounts) {
-        show_progress_line(double(rows.size()) / kRows, 0, fmt::format("{} particles", count));
         Result<FogPass> pass = FogPass::create(gl, {}, {}, {1, 1, 1}, {}, true);
         if (!pass) return tl::unexpected(pass.error());
         std::vector<ParticleSource> sources;
         if (count > 0) sources.push_back(drifting(count));
-        ParticleSystem system(std::move(sources));
-        std::vector<Particle> now;
-        const auto stepped = median_ms(seconds, [&](int run) -> Result<void> {
-            now = system.at(run * kFrame);
+        all.push_back({std::move(*pass), ParticleSystem(std::move(sources))});
+    }
+    std::vector<Work> steps, draws;
+    for (Drifting& one : all) {
+        steps.push_back([&one](int run) -> Result<void> {
+            one.now = one.system.at(run * kFrame);
             return {};
         });
-        const auto drawn = median_ms(seconds, [&](int) -> Result<void> {
-            if (auto ok = pass->set_particles(now); !ok) return ok;
-            pass->draw_colour(frame, camera, output->name());
+        draws.push_back([&](int) -> Result<void> {
+            if (auto ok = one.pass.set_particles(one.now); !ok) return ok;
+            one.pass.draw_colour(frame, camera, output->name());
             gl.Finish();
             return {};
         });
-        for (const auto* time : {&stepped, &drawn})
-            if (!*time) return tl::unexpected(time->error());
-        rows.push_back({{"particles", now.size()}, {"step_ms", *stepped}, {"draw_ms", *drawn}});
+    }
+    show_progress_line(double(rows.size()) / kRows, 0, "particles");
+    const auto stepped = take_turns(seconds, steps);
+    if (!stepped) return tl::unexpected(stepped.error());
+    const auto drawn = take_turns(2 * seconds, draws);
+    if (!drawn) return tl::unexpected(drawn.error());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const Samples& ms = (*drawn)[i];
+        rows.push_back({{"particles", all[i].now.size()},
+                        {"step_ms", (*stepped)[i].median()},
+                        {"draw_ms", ms.median()},
+                        {"draw_ms_p05", ms.percentile(5)},
+                        {"draw_ms_p95", ms.percentile(95)},
+                        {"draw_ratio_none", ms.median() / drawn->front().median()}});
     }
     return {};
 }
@@ -148,9 +171,10 @@ Result<void> study_particles(const Gl& gl, double seconds, Facts& rows) {
 
 Result<void> study_motion(Context& context, double seconds, Results& results) {
     results.motion = Facts::array();
-    const double each = seconds / kMedians;
-    auto done = study_maps(context.gl(), each, results.motion);
-    if (done) done = study_particles(context.gl(), each, results.motion);
+    // A third for the maps, a third of what is left for steps of particles, the rest to draw them.
+    const double third = seconds / 3;
+    auto done = study_maps(context.gl(), third / std::size(kSizes), results.motion);
+    if (done) done = study_particles(context.gl(), 2 * third / 3, results.motion);
     clear_progress_line();
     return done;
 }
@@ -160,13 +184,16 @@ std::string motion_text(const Facts& rows, bool markdown) {
         return fmt::format("{:.3g}", row.at(key).get<double>());
     };
     Table maps({"map", "decompose, ms", "mix two, ms", "textures, ms"});
-    Table particles({"particles", "a step, ms", "draw at 800×600, ms"});
+    Table particles({"particles", "a step, ms", "draw at 800×600, ms", "[5 %, 95 %]", "× none"});
     for (const Facts& row : rows)
         if (row.contains("size"))
             maps.add({fmt::format("{}²", row.at("size").get<int>()), cell(row, "decompose_ms"),
                       cell(row, "mix_ms"), cell(row, "textures_ms")});
         else
-            particles.add({row.at("particles").dump(), cell(row, "step_ms"), cell(row, "draw_ms")});
+            particles.add(
+                {row.at("particles").dump(), cell(row, "step_ms"), cell(row, "draw_ms"),
+                 fmt::format("[{}, {}]", cell(row, "draw_ms_p05"), cell(row, "draw_ms_p95")),
+                 cell(row, "draw_ratio_none")});
     return maps.text(markdown) + "\n" + particles.text(markdown);
 }
 

@@ -47,7 +47,9 @@ TEST_CASE("bench --preset motion: each size and each number of particles has its
         // 0, 20, 200, 2000, 20000 and what chance makes of their lives.
         const double count = rows[i]["particles"], wanted = i == 5 ? 0 : 2 * std::pow(10, i - 5);
         CHECK(std::abs(count - wanted) <= 4 * std::sqrt(wanted));
-        CHECK(rows[i]["draw_ms"] > 0);
+        CHECK(rows[i]["draw_ms"] >= rows[i]["draw_ms_p05"]);
+        CHECK(rows[i]["draw_ms"] <= rows[i]["draw_ms_p95"]);
+        CHECK(rows[i]["draw_ratio_none"] > 0);
         CHECK(count >= before);
         before = count;
     }
