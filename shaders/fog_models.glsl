@@ -209,29 +209,46 @@ float fog_models(vec3 start, vec3 path, float metres, vec3 place, float scale) {
         return 0.0f;
     }
     float mean = models.limit.y;
+#if (FOG_MODEL_KINDS & MODEL_KIND_HALFSPACE) != 0
     for (int i = 0; i < models.count.x; ++i) {
         float density = model_halfspace(models.plane[i], models.plane_density[i], start,
                                         model_along(i, path, place, scale));
-        mean += model_fraction(models.plane_density[i], density, metres);
+#if (FOG_MODEL_KINDS & MODEL_KIND_FRACTION) != 0
+        density = model_fraction(models.plane_density[i], density, metres);
+#endif
+        mean += density;
     }
+#endif
+#if (FOG_MODEL_KINDS & MODEL_KIND_RAMP) != 0
     for (int i = 0; i < models.count.y; ++i) {
         mean += model_ramp(models.ramp[i], start.y, path.y);
     }
+#endif
+#if (FOG_MODEL_KINDS & MODEL_KIND_EXPONENTIAL) != 0
     for (int i = 0; i < models.count.z; ++i) {
         mean += model_exponential(models.exponential[i], start.y, path.y);
     }
+#endif
+#if (FOG_MODEL_KINDS & MODEL_KIND_WAVE) != 0
     for (int i = 0; i < models.count.w; ++i) {
         mean += model_wave(models.wave[i], models.wave_amplitude[i].x, start, path);
     }
+#endif
+#if (FOG_MODEL_KINDS & MODEL_KIND_POLYNOMIAL) != 0
     for (int i = 0; i < models.count_more.x; ++i) {
         mean += model_polynomial(i, start, path);
     }
+#endif
+#if (FOG_MODEL_KINDS & MODEL_KIND_OBJECT) != 0
     for (int i = 0; i < models.count_more.y; ++i) {
         mean += model_object(i, start, path);
     }
+#endif
+#if (FOG_MODEL_KINDS & MODEL_KIND_SEPARABLE) != 0
     for (int i = 0; i < models.count_more.z; ++i) {
         mean += model_separable(i, start, path, metres);
     }
+#endif
     // Rounding may leave -1e-9 where subtracted fog is just 0.
     return max(mean, 0.0f) * metres;
 }

@@ -13,6 +13,20 @@
 #define MODEL_FRACTION_EXP2 2.0f
 #define MODEL_SATURATED 200.0f  // optical depth of linear fog where it hides everything
 
+// Which formulas fog_models() has. A rasteriser that masks lanes goes through a loop once, even if it is
+// empty, so a program has those of its fogs alone.
+#define MODEL_KIND_HALFSPACE 1
+#define MODEL_KIND_FRACTION 2  // of halfspaces, linear or exp2
+#define MODEL_KIND_RAMP 4
+#define MODEL_KIND_EXPONENTIAL 8
+#define MODEL_KIND_WAVE 16
+#define MODEL_KIND_POLYNOMIAL 32
+#define MODEL_KIND_OBJECT 64
+#define MODEL_KIND_SEPARABLE 128
+#ifndef FOG_MODEL_KINDS
+#define FOG_MODEL_KINDS 255
+#endif
+
 #ifdef __cplusplus
 struct ModelBlock {
 #else

@@ -183,6 +183,25 @@ Result<void> check_models(const std::vector<FogModel>& models) {
     return {};
 }
 
+int model_kinds(const std::vector<FogModel>& models) {
+    Counts counts;
+    int kinds = 0;
+    for (const FogModel& model : models) {
+        std::visit([&](const auto& fog) { counts.add(fog); }, model);
+        const auto* plane = std::get_if<Halfspace>(&model);
+        if (plane && plane->fraction != Halfspace::Fraction::exp) kinds |= MODEL_KIND_FRACTION;
+    }
+    for (const auto& [kind, count] : {std::pair{MODEL_KIND_HALFSPACE, counts.halfspaces},
+                                      {MODEL_KIND_RAMP, counts.ramps},
+                                      {MODEL_KIND_EXPONENTIAL, counts.exponentials},
+                                      {MODEL_KIND_WAVE, counts.waves},
+                                      {MODEL_KIND_POLYNOMIAL, counts.polynomials},
+                                      {MODEL_KIND_OBJECT, counts.objects},
+                                      {MODEL_KIND_SEPARABLE, counts.separables}})
+        if (count > 0) kinds |= kind;
+    return kinds;
+}
+
 ModelTables model_tables(const std::vector<FogModel>& models) {
     std::vector<const AxisTable*> axes;
     ModelTables tables;

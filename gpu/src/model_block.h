@@ -12,6 +12,9 @@ namespace wavefog {
 /// A data error if a model is invalid or there are more parts than the block holds.
 Result<void> check_models(const std::vector<FogModel>& models);
 
+/// The kinds of models that are there, of MODEL_KIND_* in fog_models_block.glsl.
+int model_kinds(const std::vector<FogModel>& models);
+
 /// Coordinates count from `eye` (world metres), so that float32 keeps its precision at any offset.
 /// `sky_limit`: longest sky ray, metres. `split`: of a linear function of the direction, given by a
 /// vector, for the pixels of a perspective picture.

@@ -1,5 +1,7 @@
 #include "model_pass.h"
 
+#include <fmt/format.h>
+
 #include "fog_uniforms.h"
 #include "model_block.h"
 #include "program_inputs.h"
@@ -13,15 +15,6 @@ constexpr GLuint kModelBinding = 0, kViewBinding = 1;
 constexpr UnitOf kSamplers[] = {{"scene_depth", 0},  {"scene_colour", 1},   {"previous_tau", 2},
                                 {"model_tables", 3}, {"particle_tiles", 4}, {"particle_list", 5}};
 constexpr BindingOf kBlocks[] = {{"ModelBlock", kModelBinding}, {"ViewBlock", kViewBinding}};
-
-std::vector<std::string> defines_of(bool after_maps, bool coloured, bool particles) {
-    // FOG_METHOD_MODELS of fog_optical_depth.glsl.
-    std::vector<std::string> defines = {"FOG_METHOD 6", "FOG_DEGREE 0", "FOG_PROFILE 0"};
-    if (particles) defines.push_back("FOG_PARTICLES");
-    if (coloured) defines.push_back("FOG_CHANNELS");
-    if (after_maps) defines.push_back("FOG_PREVIOUS_TAU");
-    return defines;
-}
 
 Result<Program> make_program(const Gl& gl, std::vector<std::string> defines, bool sky_only,
                              bool colour) {
@@ -51,24 +44,39 @@ Result<ModelPass> ModelPass::create(const Gl& gl, std::vector<FogModel> models, 
                                     bool with_particles, const SceneRenderer* vertices) {
     ModelPass pass(gl, after_maps, coloured, fog_colour);
     pass.vertices_ = vertices;
-    if (auto ok = pass.set_models(std::move(models)); !ok) return tl::unexpected(ok.error());
     if (with_particles) pass.particles_.emplace(gl);
-    const auto defines = defines_of(after_maps, coloured, with_particles);
-    if (vertices) {
-        auto made = build_vertex_programs(gl, defines, kSamplers, kBlocks);
+    pass.kinds_ = model_kinds(models);
+    if (auto ok = pass.set_models(std::move(models)); !ok) return tl::unexpected(ok.error());
+    if (auto ok = pass.build(); !ok) return tl::unexpected(ok.error());
+    return pass;
+}
+
+Result<void> ModelPass::build() {
+    // FOG_METHOD_MODELS of fog_optical_depth.glsl.
+    std::vector<std::string> defines = {"FOG_METHOD 6", "FOG_DEGREE 0", "FOG_PROFILE 0",
+                                        fmt::format("FOG_MODEL_KINDS {}", kinds_)};
+    if (particles_) defines.push_back("FOG_PARTICLES");
+    if (coloured_) defines.push_back("FOG_CHANNELS");
+    if (after_maps_) defines.push_back("FOG_PREVIOUS_TAU");
+    if (vertices_) {
+        auto made = build_vertex_programs(*gl_, defines, kSamplers, kBlocks);
         if (!made) return tl::unexpected(made.error());
-        pass.at_vertices_ = *std::move(made);
+        at_vertices_ = *std::move(made);
     }
-    for (auto [program, colour] : {std::pair{&pass.colour_, true}, {&pass.optical_depth_, false}}) {
-        auto made = make_program(gl, defines, vertices != nullptr, colour);
+    for (auto [program, colour] : {std::pair{&colour_, true}, {&optical_depth_, false}}) {
+        auto made = make_program(*gl_, defines, vertices_ != nullptr, colour);
         if (!made) return tl::unexpected(made.error());
         *program = *std::move(made);
     }
-    return pass;
+    return {};
 }
 
 Result<void> ModelPass::set_models(std::vector<FogModel> models) {
     if (auto ok = check_models(models); !ok) return ok;
+    if (const int kinds = kinds_ | model_kinds(models); kinds != kinds_) {
+        kinds_ = kinds;
+        if (auto ok = build(); !ok) return ok;
+    }
     models_ = std::move(models);
     const ModelTables made = model_tables(models_);
     tables_ = make_texture_2d(*gl_, GL_RGBA32F, made.width, made.height, GL_RGBA, GL_FLOAT,

@@ -28,7 +28,7 @@ class ModelPass {
                                     bool coloured, const Eigen::Vector3d& fog_colour,
                                     bool with_particles, const SceneRenderer* vertices);
 
-    /// A data error as from create().
+    /// A data error as from create(). Models of a kind that was not there before cost new programs.
     Result<void> set_models(std::vector<FogModel> models);
     /// A usage error if the pass was made without.
     Result<void> set_particles(std::vector<Particle> particles);
@@ -42,9 +42,12 @@ class ModelPass {
 
   private:
     ModelPass(const Gl& gl, bool after_maps, bool coloured, const Eigen::Vector3d& fog_colour);
+    /// The programs, for the kinds of models in `kinds_`.
+    Result<void> build();
 
     const Gl* gl_;
     std::vector<FogModel> models_;
+    int kinds_ = 0;  ///< MODEL_KIND_* that the programs are for
     std::optional<ParticleTextures> particles_;
     bool after_maps_, coloured_;
     Eigen::Vector3d fog_colour_;

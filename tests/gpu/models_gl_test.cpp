@@ -55,6 +55,24 @@ TEST_CASE("models: pictures of every model by every camera equal the twin in dou
         MESSAGE(kind_name(models[i]), ": largest |dT| in pictures ", worst[i]);
 }
 
+TEST_CASE("models: a pass takes models of kinds that it was not made with") {
+    const Gl& gl = osmesa().gl();
+    Random random(129);
+    const Camera camera = camera_cases().front().camera;
+    FogPicture picture = make_picture(gl, camera);
+    const auto models = random_models(random), fractions = random_fractions(random);
+    auto pass = FogPass::create(gl, {}, {}, {1, 1, 1}, {models.front()});
+    REQUIRE_MESSAGE(pass.has_value(), (pass ? "" : pass.error().message));
+    for (const auto& now :
+         {std::vector<FogModel>{fractions.front()}, std::vector<FogModel>{models[5], models[7]},
+          models, std::vector<FogModel>{models[9]}}) {
+        REQUIRE(pass->set_models(now).has_value());
+        CAPTURE(now.size());
+        CAPTURE(kind_name(now.front()));
+        CHECK_LE(draw(gl, picture, camera, *pass, {}, now).error, kMaxError);
+    }
+}
+
 TEST_CASE("models: maps and models add up with every method, and colour is blended once") {
     const Gl& gl = osmesa().gl();
     Random random(131);
