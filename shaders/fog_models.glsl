@@ -244,7 +244,7 @@ float fog_models(vec3 start, vec3 path, float metres, vec3 place, float scale) {
         mean += model_object(i, start, path);
     }
 #endif
-#if (FOG_MODEL_KINDS & MODEL_KIND_SEPARABLE) != 0
+#if (FOG_MODEL_KINDS & (MODEL_KIND_MEANS | MODEL_KIND_WALK)) != 0
     for (int i = 0; i < models.count_more.z; ++i) {
         mean += model_separable(i, start, path, metres);
     }

@@ -22,9 +22,10 @@
 #define MODEL_KIND_WAVE 16
 #define MODEL_KIND_POLYNOMIAL 32
 #define MODEL_KIND_OBJECT 64
-#define MODEL_KIND_SEPARABLE 128
+#define MODEL_KIND_MEANS 128    // of separables, a product of means
+#define MODEL_KIND_WALK 256     // of separables, the mean of the product
 #ifndef FOG_MODEL_KINDS
-#define FOG_MODEL_KINDS 255
+#define FOG_MODEL_KINDS 511
 #endif
 
 #ifdef __cplusplus

@@ -159,9 +159,17 @@ float model_separable(int s, vec3 start, vec3 path, float metres) {
         u[a] = axis.x + axis.y * start[a];
         du[a] = axis.y * path[a];
     }
+    float mean = 0.0f;
+#if (FOG_MODEL_KINDS & MODEL_KIND_MEANS) != 0
     if (shape.y != 0.0f) {
-        return shape.x * separable_mean(3 * s, u.x, du.x) * separable_mean(3 * s + 1, u.y, du.y) *
+        mean = separable_mean(3 * s, u.x, du.x) * separable_mean(3 * s + 1, u.y, du.y) *
                separable_mean(3 * s + 2, u.z, du.z);
     }
-    return shape.x * separable_walk(s, u, du, models.limit.z / (shape.x * metres));
+#endif
+#if (FOG_MODEL_KINDS & MODEL_KIND_WALK) != 0
+    if (shape.y == 0.0f) {
+        mean = separable_walk(s, u, du, models.limit.z / (shape.x * metres));
+    }
+#endif
+    return shape.x * mean;
 }

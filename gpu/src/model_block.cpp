@@ -19,6 +19,13 @@ glm::vec4 to_vec4(double x, double y, double z = 0, double w = 0) {
     return to_vec4(Vector3d(x, y, z), w);
 }
 
+/// The mean of one function is what both integrals are.
+bool of_means(const Separable& fog) {
+    const auto tables = std::count_if(fog.axes.begin(), fog.axes.end(),
+                                      [](const AxisTable& axis) { return !axis.values.empty(); });
+    return fog.integral == Separable::Integral::published || tables <= 1;
+}
+
 /// Parts of each kind: what `count` and `count_more` hold.
 struct Counts {
     int halfspaces = 0, ramps = 0, exponentials = 0, waves = 0, polynomials = 0, objects = 0,
@@ -126,11 +133,9 @@ class Writer {
 
     void add(const Separable& fog) {
         const int s = block_.count_more.z++;
-        int tables = 0;
         for (int a = 0; a < 3; ++a) {
             const AxisTable& axis = fog.axes[static_cast<std::size_t>(a)];
             if (axis.values.empty()) continue;
-            ++tables;
             const double cells = static_cast<double>(axis.values.size() - 1);
             const double per_metre = cells / (axis.end - axis.begin);
             double u = (eye_[a] - axis.begin) * per_metre;
@@ -140,9 +145,7 @@ class Writer {
             block_.separable_axis[3 * s + a] = to_vec4(u - cell, per_metre, cells, axis.repeat);
             block_.separable_row[3 * s + a] = {static_cast<int>(cell), tables_++, 0, 0};
         }
-        // The mean of one function is what both integrals are.
-        const bool means = fog.integral == Separable::Integral::published || tables <= 1;
-        block_.separable[s] = to_vec4(fog.extinction, means);
+        block_.separable[s] = to_vec4(fog.extinction, of_means(fog));
     }
 
     shader::ModelBlock block() {
@@ -184,21 +187,28 @@ Result<void> check_models(const std::vector<FogModel>& models) {
 }
 
 int model_kinds(const std::vector<FogModel>& models) {
-    Counts counts;
     int kinds = 0;
-    for (const FogModel& model : models) {
-        std::visit([&](const auto& fog) { counts.add(fog); }, model);
-        const auto* plane = std::get_if<Halfspace>(&model);
-        if (plane && plane->fraction != Halfspace::Fraction::exp) kinds |= MODEL_KIND_FRACTION;
-    }
-    for (const auto& [kind, count] : {std::pair{MODEL_KIND_HALFSPACE, counts.halfspaces},
-                                      {MODEL_KIND_RAMP, counts.ramps},
-                                      {MODEL_KIND_EXPONENTIAL, counts.exponentials},
-                                      {MODEL_KIND_WAVE, counts.waves},
-                                      {MODEL_KIND_POLYNOMIAL, counts.polynomials},
-                                      {MODEL_KIND_OBJECT, counts.objects},
-                                      {MODEL_KIND_SEPARABLE, counts.separables}})
-        if (count > 0) kinds |= kind;
+    for (const FogModel& model : models)
+        std::visit(
+            [&](const auto& fog) {
+                using Kind = std::decay_t<decltype(fog)>;
+                if constexpr (std::is_same_v<Kind, Halfspace>)
+                    kinds |= MODEL_KIND_HALFSPACE |
+                             (fog.fraction != Halfspace::Fraction::exp ? MODEL_KIND_FRACTION : 0);
+                else if constexpr (std::is_same_v<Kind, Ramp>)
+                    kinds |= MODEL_KIND_RAMP;
+                else if constexpr (std::is_same_v<Kind, ExponentialLayer>)
+                    kinds |= MODEL_KIND_EXPONENTIAL;
+                else if constexpr (std::is_same_v<Kind, Cosines>)
+                    kinds |= MODEL_KIND_WAVE;
+                else if constexpr (std::is_same_v<Kind, Polynomials>)
+                    kinds |= MODEL_KIND_POLYNOMIAL;
+                else if constexpr (std::is_same_v<Kind, Potentials>)
+                    kinds |= MODEL_KIND_OBJECT;
+                else
+                    kinds |= of_means(fog) ? MODEL_KIND_MEANS : MODEL_KIND_WALK;
+            },
+            model);
     return kinds;
 }
 
