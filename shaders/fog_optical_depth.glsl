@@ -1,7 +1,7 @@
 // Optical depth between two points by one method: the same for pixels (fog_pass.frag) and for vertices
 // (fog_vertex.vert).
 // Defines: FOG_DEGREE, FOG_PROFILE, FOG_REPEAT, FOG_SKIP, FOG_METHOD, FOG_PAPER_SCALING,
-// RADIAL_LAYERED, RADIAL_STEP, FOG_PARTICLES.
+// RADIAL_LAYERED, RADIAL_STEP, FOG_PARTICLES, FOG_MODEL_KINDS (fog_models_block.glsl; all).
 
 #define FOG_METHOD_EXACT 0
 #define FOG_METHOD_MARCH 1

@@ -1,9 +1,10 @@
 // The fog post-process for one fog, or for all that formulas give (fog_models.glsl): depth (and
 // colour) in, fogged colour or optical depth out.
 // Defines: FOG_DEGREE, FOG_PROFILE, FOG_REPEAT, FOG_SKIP, FOG_METHOD, FOG_PAPER_SCALING,
-// RADIAL_LAYERED, RADIAL_STEP, FOG_PARTICLES; FOG_CHANNELS: red, green and blue see shares of each fog (paper
-// 001, eq. 9); FOG_OUTPUT_TAU writes optical depth instead of colour; FOG_PREVIOUS_TAU adds the
-// optical depth of the fogs drawn before; FOG_SKY_ONLY leaves out pixels that show a surface.
+// RADIAL_LAYERED, RADIAL_STEP, FOG_PARTICLES, FOG_MODEL_KINDS: fog_optical_depth.glsl; FOG_CHANNELS: red,
+// green and blue see shares of each fog (paper 001, eq. 9); FOG_OUTPUT_TAU writes optical depth instead
+// of colour; FOG_PREVIOUS_TAU adds the optical depth of the fogs drawn before; FOG_SKY_ONLY leaves out
+// pixels that show a surface.
 precision highp float;
 precision highp int;
 precision highp sampler2D;
