@@ -29,7 +29,7 @@ Result<void> replace_fogs(const std::vector<std::filesystem::path>& files, Scene
     if (!files.empty()) {
         scene.fogs.clear();
         scene.models.clear();
-        scene.model_winds.clear();
+        scene.model_motions.clear();
         scene.sequences.clear();
         scene.particles.clear();
     }
@@ -41,7 +41,7 @@ Result<void> replace_fogs(const std::vector<std::filesystem::path>& files, Scene
         append(scene.particles, loaded->particles);
         append(scene.fogs, loaded->fogs);
         append(scene.models, loaded->models);
-        append(scene.model_winds, loaded->model_winds);
+        append(scene.model_motions, loaded->model_motions);
     }
     return {};
 }
@@ -71,7 +71,7 @@ Result<FogsAt> fogs_at(SceneFogs loaded, double seconds) {
             return tl::unexpected(ok.error());
     FogsAt fogs{seconds,
                 std::move(loaded.fogs),
-                models_at(std::move(loaded.models), loaded.model_winds, seconds),
+                models_at(std::move(loaded.models), loaded.model_motions, seconds),
                 {},
                 std::move(loaded.terrain)};
     auto particles = particles_at(loaded.particles, fogs.terrain, loaded.meshes, seconds);

@@ -143,7 +143,7 @@ struct FrameDrawer::Impl {
         if (particles)
             if (auto ok = pass->set_particles(particles->at(seconds)); !ok) return ok;
         if (!scene->models.empty())
-            if (auto ok = pass->set_models(models_at(scene->models, scene->model_winds, seconds));
+            if (auto ok = pass->set_models(models_at(scene->models, scene->model_motions, seconds));
                 !ok)
                 return ok;
         pass->draw_colour(target, scene->camera, colour.framebuffer.name(), seconds);
@@ -174,7 +174,7 @@ struct FrameDrawer::Impl {
         }
         const std::vector<Particle> points =
             particles ? particles->at(seconds) : std::vector<Particle>{};
-        const auto models = models_at(scene->models, scene->model_winds, seconds);
+        const auto models = models_at(scene->models, scene->model_motions, seconds);
         const PixelRays rays(scene->camera, width, height);
         const auto draw_rows = [&](std::size_t begin, std::size_t end) {
             for (int y = int(begin); y < int(end); ++y)

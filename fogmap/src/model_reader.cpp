@@ -23,7 +23,7 @@ double number_or(const JsonValue& value, const char* key, double otherwise) {
 }
 
 Halfspace read_halfspace(const JsonValue& value) {
-    value.only({"model", "wind", "channels", "normal", "point", "extinction", "gradient",
+    value.only({"time", "model", "wind", "channels", "normal", "point", "extinction", "gradient",
                 "fraction", "start"});
     if (!value.find("extinction") && !value.find("gradient"))
         value.fail(
@@ -44,7 +44,7 @@ Halfspace read_halfspace(const JsonValue& value) {
 FogModel read_layers(const JsonValue& value) {
     switch (value.key("profile").choice({"ramp", "exponential", "table", "depth"})) {
         case 0: {
-            value.only({"model", "wind", "channels", "profile", "points"});
+            value.only({"time", "model", "wind", "channels", "profile", "points"});
             Ramp fog;
             for (const JsonValue& point : value.key("points").items()) {
                 const auto v = point.numbers(2);
@@ -53,17 +53,18 @@ FogModel read_layers(const JsonValue& value) {
             return fog;
         }
         case 2:
-            value.only({"model", "wind", "channels", "profile", "extinction", "y"});
+            value.only({"time", "model", "wind", "channels", "profile", "extinction", "y"});
             return Separable{value.key("extinction").number(),
                              {AxisTable{}, read_axis(value.key("y")), AxisTable{}},
                              Separable::Integral::exact};
         case 1:
-            value.only({"model", "wind", "channels", "profile", "extinction", "base", "scale"});
+            value.only(
+                {"time", "model", "wind", "channels", "profile", "extinction", "base", "scale"});
             return ExponentialLayer{value.key("extinction").number(), value.key("base").number(),
                                     value.key("scale").number()};
         default:
             // Denser with depth, as water is: a halfspace whose plane is level.
-            value.only({"model", "wind", "channels", "profile", "surface", "gradient"});
+            value.only({"time", "model", "wind", "channels", "profile", "surface", "gradient"});
             return Halfspace{{0, 1, 0},
                              {0, value.key("surface").number(), 0},
                              0,
@@ -72,7 +73,7 @@ FogModel read_layers(const JsonValue& value) {
 }
 
 Cosines read_cosines(const JsonValue& value) {
-    value.only({"model", "wind", "channels", "extinction", "waves"});
+    value.only({"time", "model", "wind", "channels", "extinction", "waves"});
     Cosines fog;
     fog.extinction = value.key("extinction").number();
     for (const JsonValue& wave : value.key("waves").items()) {
@@ -84,7 +85,7 @@ Cosines read_cosines(const JsonValue& value) {
 }
 
 Polynomials read_polynomials(const JsonValue& value) {
-    value.only({"model", "wind", "channels", "polynomials"});
+    value.only({"time", "model", "wind", "channels", "polynomials"});
     Polynomials fog;
     for (const JsonValue& item : value.key("polynomials").items()) {
         item.only({"extinction", "coefficients", "direction", "centre", "half_width", "outside"});
@@ -132,7 +133,7 @@ Potentials::Object read_object(const JsonValue& value) {
 }
 
 Potentials read_potentials(const JsonValue& value) {
-    value.only({"model", "wind", "channels", "extinction", "objects"});
+    value.only({"time", "model", "wind", "channels", "extinction", "objects"});
     Potentials fog;
     fog.extinction = number_or(value, "extinction", 0);
     for (const JsonValue& object : value.key("objects").items())
@@ -141,7 +142,7 @@ Potentials read_potentials(const JsonValue& value) {
 }
 
 Separable read_separable(const JsonValue& value) {
-    value.only({"model", "wind", "channels", "extinction", "integral", "x", "y", "z"});
+    value.only({"time", "model", "wind", "channels", "extinction", "integral", "x", "y", "z"});
     Separable fog;
     fog.extinction = value.key("extinction").number();
     if (const auto integral = value.find("integral"))
@@ -153,9 +154,10 @@ Separable read_separable(const JsonValue& value) {
     return fog;
 }
 
-FogModel read_unchecked(const JsonValue& value) {
-    switch (value.key("model").choice({"wavelet", "halfspace", "layers", "cosines", "polynomials",
-                                       "potentials", "separable", "particles"})) {
+/// `fog`: the entry with "model", which its shapes do not repeat.
+FogModel read_unchecked(const JsonValue& fog, const JsonValue& value) {
+    switch (fog.key("model").choice({"wavelet", "halfspace", "layers", "cosines", "polynomials",
+                                     "potentials", "separable", "particles"})) {
         case 1:
             return read_halfspace(value);
         case 2:
@@ -178,11 +180,46 @@ Channels read_channels(const JsonValue& value) {
     return {v[0], v[1], v[2]};
 }
 
-FogModel read_model(const JsonValue& value) {
-    FogModel model = read_unchecked(value);
-    if (const auto channels = value.find("channels")) model.channels = read_channels(*channels);
-    if (const auto ok = validate(model); !ok) value.fail(ok.error().message);
+namespace {
+
+FogModel read_shape(const JsonValue& fog, const JsonValue& shape) {
+    FogModel model = read_unchecked(fog, shape);
+    if (const auto channels = fog.find("channels")) model.channels = read_channels(*channels);
+    if (const auto ok = validate(model); !ok) shape.fail(ok.error().message);
     return model;
+}
+
+}  // namespace
+
+FogModel read_model(const JsonValue& value) {
+    if (value.find("time")) value.fail("time belongs to the entries of \"shapes\"");
+    return read_shape(value, value);
+}
+
+ModelMotion read_motion(const JsonValue& value) {
+    ModelMotion motion;
+    if (const auto wind = value.find("wind")) motion.wind = read_wind(*wind);
+    const auto shapes = value.find("shapes");
+    if (!shapes) return motion;
+    value.only({"model", "wind", "channels", "shapes"});
+    for (const JsonValue& shape : shapes->items()) {
+        for (const char* key : {"model", "wind", "channels"})
+            if (shape.find(key))
+                shape.fail(fmt::format("\"{}\" stands beside \"shapes\", for all of them", key));
+        const double seconds = shape.key("time").number();
+        FogModel model = read_shape(value, shape);
+        if (!motion.shapes.empty()) {
+            const ModelMotion::Key& before = motion.shapes.back();
+            if (!(before.seconds < seconds))
+                shape.fail(fmt::format("time is {}, after {}; times must ascend", seconds,
+                                       before.seconds));
+            if (const auto ok = check_interpolable(before.shape, model); !ok)
+                shape.fail(ok.error().message);
+        }
+        motion.shapes.push_back({seconds, std::move(model)});
+    }
+    if (motion.shapes.empty()) shapes->fail("is empty; give at least one shape");
+    return motion;
 }
 
 }  // namespace wavefog::detail

@@ -98,6 +98,9 @@ void check(Checks& checks, const Halfspace& fog) {
     checks.that(
         fog.start == 0 || fog.fraction == Halfspace::Fraction::linear,
         fmt::format("start is {}, which needs the fraction linear; leave it out", fog.start));
+    checks.that(
+        fog.start == 0 || fog.gradient == 0,
+        fmt::format("start is {}, which needs constant fog; leave it out, or gradient", fog.start));
 }
 
 void check(Checks& checks, const Ramp& fog) {

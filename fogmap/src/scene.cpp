@@ -228,11 +228,14 @@ Scene read_scene(const JsonValue& root, const fs::path& directory) {
             } else if (model->text() == "particles") {
                 scene.particles.push_back(detail::read_particles(fog));
             } else {
-                scene.models.push_back(detail::read_model(fog));
-                const auto wind = fog.find("wind");
-                scene.model_winds.push_back(wind ? detail::read_wind(*wind) : Wind{});
+                scene.model_motions.push_back(detail::read_motion(fog));
+                const auto& shapes = scene.model_motions.back().shapes;
+                scene.models.push_back(shapes.empty() ? detail::read_model(fog)
+                                                      : shapes.front().shape);
             }
         }
+    // At home in the wind, as the first frame has them.
+    scene.models = models_at(std::move(scene.models), scene.model_motions, 0);
     return scene;
 }
 
@@ -292,9 +295,9 @@ Result<SceneFogs> load_fogs(const fs::path& file, LoadNotes* notes) {
     if (detail::lower_extension(file) == ".json") {
         auto scene = load_scene(file);
         if (!scene) return tl::unexpected(scene.error());
-        return SceneFogs{std::move(scene->fogs),        std::move(scene->models),
-                         std::move(scene->model_winds), std::move(scene->sequences),
-                         std::move(scene->particles),   std::move(scene->terrain),
+        return SceneFogs{std::move(scene->fogs),          std::move(scene->models),
+                         std::move(scene->model_motions), std::move(scene->sequences),
+                         std::move(scene->particles),     std::move(scene->terrain),
                          std::move(scene->meshes)};
     }
     const auto map = read_fogmap(file);

@@ -123,13 +123,4 @@ FogModel moved(const FogModel& model, const Vector3d& metres) {
     return result;
 }
 
-std::vector<FogModel> models_at(std::vector<FogModel> models, const std::vector<Wind>& winds,
-                                double seconds) {
-    for (std::size_t i = 0; i < std::min(models.size(), winds.size()); ++i) {
-        const Vector2d offset = winds[i].offset(seconds);
-        models[i] = moved(models[i], {offset.x(), 0, offset.y()});
-    }
-    return models;
-}
-
 }  // namespace wavefog

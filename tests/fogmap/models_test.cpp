@@ -186,6 +186,8 @@ TEST_CASE("models: every invalid parameter is named") {
     CHECK(contains(complaint(Halfspace{{0, 1, 0}, origin, 1, 0, linear, -3}), "start is -3"));
     CHECK(contains(complaint(Halfspace{{0, 1, 0}, origin, 1, 0, exp2, 3}),
                    "start is 3, which needs the fraction linear"));
+    CHECK(contains(complaint(Halfspace{{0, 1, 0}, origin, 1, 1, linear, 3}),
+                   "start is 3, which needs constant fog"));
     FogModel tinted = Halfspace{{0, 1, 0}, origin, 1, 0, exp2};
     tinted.channels = {1, 0.5, 0.25};
     CHECK(contains(complaint(tinted), "channels go with the fraction exp alone"));
@@ -256,9 +258,9 @@ TEST_CASE("models: scene files hold them beside maps, and mistakes name the key"
          {"sphere": [1, 2, 3], "radius": 2, "extinction": 0.1, "reach": 4}]})");
     REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
     REQUIRE(scene->models.size() == 7);
-    REQUIRE(scene->model_winds.size() == 7);
-    CHECK(scene->model_winds[0].velocity(3) == Eigen::Vector2d(4, 5));
-    CHECK(scene->model_winds[1].calm());
+    REQUIRE(scene->model_motions.size() == 7);
+    CHECK(scene->model_motions[0].wind.velocity(3) == Eigen::Vector2d(4, 5));
+    CHECK(scene->model_motions[1].wind.calm());
     CHECK(scene->fogs.empty());
     CHECK(std::get<Halfspace>(scene->models[0]).normal == Vector3d(0, 1, 0));
     CHECK(std::get<Halfspace>(scene->models[0]).gradient == 0.01);

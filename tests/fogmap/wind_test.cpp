@@ -7,7 +7,7 @@
 #include "fogmap/fog_support.h"
 #include "fogmap/model_support.h"
 #include "wavefog/fogmap/reference.h"
-#include "wavefog/fogmap/wind.h"
+#include "wavefog/fogmap/model_motion.h"
 
 using namespace wavefog;
 using namespace wavefog::test;

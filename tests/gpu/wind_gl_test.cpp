@@ -77,7 +77,7 @@ TEST_CASE("wind: frame 599 is the same bit for bit, drawn alone or after 599 oth
     const auto textures = FogTextures::create(gl, fog);
     REQUIRE(textures.has_value());
     const auto models = random_models(random);
-    const std::vector<Wind> winds(models.size(), fog.wind);
+    const std::vector<ModelMotion> winds(models.size(), fog.wind);
     for (const MethodKind kind : {MethodKind::exact, MethodKind::radial}) {
         const auto draw = [&](FogPass& pass, int frame) {
             const double seconds = frame / 24.0;
@@ -97,7 +97,7 @@ TEST_CASE("wind: frame 599 is the same bit for bit, drawn alone or after 599 oth
         if (kind == MethodKind::exact)
             CHECK_LE(largest_error(picture, camera, last, {Reference(fog, 599 / 24.0)}, 1, sky,
                                    models_at(models, winds, 599 / 24.0)),
-                     3e-5);  // the halfspaces' grazing rays, as in models_gl_test.cpp
+                     kMaxError);
     }
 }
 

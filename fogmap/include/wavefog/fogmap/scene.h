@@ -11,6 +11,7 @@
 #include "wavefog/fogmap/fog_file.h"
 #include "wavefog/fogmap/image.h"
 #include "wavefog/fogmap/map_sequence.h"
+#include "wavefog/fogmap/model_motion.h"
 #include "wavefog/fogmap/models.h"
 #include "wavefog/fogmap/particles.h"
 #include "wavefog/wavelet/path_table.h"
@@ -118,10 +119,10 @@ struct Scene {
     std::optional<Terrain> terrain;
     std::vector<MeshInstance> meshes;
     Eigen::Vector3d fog_colour{0.8, 0.82, 0.85};
-    std::vector<Fog> fogs;          ///< maps: "model": "wavelet"
-    std::vector<FogModel> models;   ///< formulas, in closed form whatever the method; at time 0
-    std::vector<Wind> model_winds;  ///< of `models`, in their order
-    std::vector<MapSequence> sequences;  ///< which `fogs` have a map that changes
+    std::vector<Fog> fogs;         ///< maps: "model": "wavelet"
+    std::vector<FogModel> models;  ///< formulas, in closed form whatever the method; at time 0
+    std::vector<ModelMotion> model_motions;  ///< of `models`, in their order
+    std::vector<MapSequence> sequences;      ///< which `fogs` have a map that changes
     std::vector<ParticleSource> particles;
     Method method;
 };
@@ -143,7 +144,7 @@ bool coloured(const std::vector<Fog>& fogs, const std::vector<FogModel>& models)
 struct SceneFogs {
     std::vector<Fog> fogs;
     std::vector<FogModel> models;
-    std::vector<Wind> model_winds;
+    std::vector<ModelMotion> model_motions;
     std::vector<MapSequence> sequences;
     std::vector<ParticleSource> particles;
     std::optional<Terrain> terrain;  ///< it and `meshes` are what the particles meet

@@ -40,8 +40,4 @@ struct Wind {
 /// period at most. Layers change with height alone and only move up or down.
 FogModel moved(const FogModel& model, const Eigen::Vector3d& metres);
 
-/// Models in their winds at a time; those without a wind of their own stay.
-std::vector<FogModel> models_at(std::vector<FogModel> models, const std::vector<Wind>& winds,
-                                double seconds);
-
 }  // namespace wavefog
