@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <iterator>
 
+#include "vector_clones.h"
+
 namespace wavefog::wfog {
 
 namespace {
@@ -55,6 +57,7 @@ std::optional<std::int32_t> Scale::integer(float value) const {
     return static_cast<std::int32_t>(k < 0 ? k - 0.5 : k + 0.5);
 }
 
+WAVEFOG_VECTOR_CLONES
 void Scale::densities(const std::int32_t* from, std::size_t count, float* to) const {
     if (kind == Kind::ratio) {
         const double by = divisor;
@@ -69,6 +72,7 @@ void Scale::densities(const std::int32_t* from, std::size_t count, float* to) co
     }
 }
 
+WAVEFOG_VECTOR_CLONES
 bool Scale::integers(const float* from, std::size_t count, std::int32_t* to) const {
     if (kind == Kind::float_bits || kind == Kind::table)
         return std::all_of(from, from + count, [&](float value) {

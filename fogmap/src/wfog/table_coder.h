@@ -14,7 +14,11 @@ namespace wavefog::wfog {
 inline constexpr std::int64_t kTableRange = 1 << 20;
 
 /// As encode_mixing() and decode_mixing(). A decoder returns false for streams that are impossible.
-std::vector<Bytes> encode_tables(Tile& tile, const TileCoding& coding);
-bool decode_tables(Tile& tile, const TileCoding& coding, std::span<const View> streams);
+std::vector<Bytes> encode_tables(const Tile& tile, const TileCoding& coding, Scratch& scratch);
+bool decode_tables(Tile& tile, const TileCoding& coding, std::span<const View> streams,
+                   Scratch& scratch);
+
+/// The sum of the squared errors of all pixels, of a tile within kTableRange, without its bytes.
+double squared_errors(const Tile& tile, const TileCoding& coding, Scratch& scratch);
 
 }  // namespace wavefog::wfog

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bytes.h"
+#include "scratch.h"
 
 namespace wavefog::wfog {
 
@@ -24,8 +25,9 @@ struct TokenModel {
     std::array<std::uint8_t, 4> stops{};
 };
 
-/// Codes signed integers, each in a context below kTokenContexts.
-Bytes write_symbols(std::span<const std::int32_t> values, std::span<const std::uint8_t> contexts);
+/// Appends the code of signed integers, each in a context below kTokenContexts.
+void write_symbols(std::span<const std::int32_t> values, std::span<const std::uint8_t> contexts,
+                   Scratch& scratch, Bytes& stream);
 
 /// Reads symbols back in any number of calls.
 class SymbolReader {
