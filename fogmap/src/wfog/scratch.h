@@ -2,9 +2,9 @@
 // computed on them.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <memory>
+#include <new>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -13,37 +13,38 @@ namespace wavefog::wfog {
 
 class Scratch {
   public:
-    /// Values that are not set, until clear().
+    /// Values that are not set, until clear() or release().
     template <class T>
     std::span<T> take(std::size_t count) {
-        static_assert(std::is_trivial_v<T> && alignof(T) <= kAlignment);
+        static_assert(std::is_trivial_v<T> && alignof(T) <= kRound);
         return {reinterpret_cast<T*>(bytes(count * sizeof(T))), count};
     }
-    void clear() { block_ = used_ = 0; }
+    void clear() { release({}); }
+
+    struct Mark {
+        std::size_t block = 0, used = 0;
+    };
+    Mark mark() const { return {block_, used_}; }
+    /// Gives back what was taken since.
+    void release(const Mark& mark) {
+        block_ = mark.block;
+        used_ = mark.used;
+    }
 
   private:
-    static constexpr std::size_t kAlignment = 16, kRound = 64, kFirstBlock = 1 << 16;
+    static constexpr std::size_t kRound = 64;
 
+    struct Free {
+        std::align_val_t alignment;
+        void operator()(std::byte* bytes) const { ::operator delete[](bytes, alignment); }
+    };
     struct Block {
-        std::unique_ptr<std::byte[]> bytes;
-        std::size_t size = 0;
+        std::unique_ptr<std::byte[], Free> bytes;
+        std::size_t size;
     };
 
-    std::byte* bytes(std::size_t wanted) {
-        wanted = (wanted + kRound - 1) / kRound * kRound;
-        while (block_ < blocks_.size() && blocks_[block_].size - used_ < wanted) {
-            ++block_;
-            used_ = 0;
-        }
-        if (block_ == blocks_.size()) {
-            const std::size_t size = std::max({wanted, total_, kFirstBlock});
-            blocks_.push_back({std::make_unique_for_overwrite<std::byte[]>(size), size});
-            total_ += size;
-        }
-        std::byte* const taken = blocks_[block_].bytes.get() + used_;
-        used_ += wanted;
-        return taken;
-    }
+    static Block make_block(std::size_t size);
+    std::byte* bytes(std::size_t wanted);
 
     std::vector<Block> blocks_;
     std::size_t block_ = 0, used_ = 0, total_ = 0;

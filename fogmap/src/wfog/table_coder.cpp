@@ -64,21 +64,16 @@ int multiples(int count, int coarser) {
 }
 
 /// Symbols of a level as they come.
-class Symbols {
-  public:
-    Symbols(size_t most, Scratch& scratch)
-        : values_(scratch.take<int32_t>(most)), contexts_(scratch.take<uint8_t>(most)) {}
-    int32_t* values() { return values_.data() + count_; }
-    uint8_t* contexts() { return contexts_.data() + count_; }
-    void add(int count) { count_ += size_t(count); }
-    void append_to(Bytes& stream, Scratch& scratch) const {
-        write_symbols(values_.first(count_), contexts_.first(count_), scratch, stream);
-    }
+struct Symbols {
+    int32_t* values;
+    uint8_t* contexts;
+    size_t count = 0;
 
-  private:
-    std::span<int32_t> values_;
-    std::span<uint8_t> contexts_;
-    size_t count_ = 0;
+    int32_t* next_values() { return values + count; }
+    uint8_t* next_contexts() { return contexts + count; }
+    void append_to(Bytes& stream, Scratch& scratch) const {
+        write_symbols({values, count}, {contexts, count}, scratch, stream);
+    }
 };
 
 /// What to do with each level of a tile: its grid at first, then the parts of each further level,
@@ -131,17 +126,18 @@ void interpolate(Parts& parts, Scratch& scratch) {
 
 }  // namespace
 
-std::vector<Bytes> encode_tables(const Tile& tile, const TileCoding& coding, Scratch& scratch) {
+std::vector<Bytes> encode_tables(Tile& tile, const TileCoding& coding, Scratch& scratch) {
     std::vector<Bytes> streams;
+    // Nobody needs the values any more once they are floats.
+    Symbols symbols{tile.values.data(), scratch.take<uint8_t>(tile.values.size()).data()};
     for_each_level(
         tile, coding, scratch,
         [&](Plane& grid) {
-            Symbols symbols(grid.pixels(), scratch);
             const Quantiser quantiser = quantiser_of(coding, 0);
             for_each_coarsest(grid, quantiser.most, [&](float& value, float predicted) {
-                quantise(&predicted, 1, quantiser, &value, symbols.values());
-                *symbols.contexts() = 0;
-                symbols.add(1);
+                quantise(&predicted, 1, quantiser, &value, symbols.next_values());
+                *symbols.next_contexts() = 0;
+                ++symbols.count;
             });
             symbols.append_to(streams.emplace_back(), scratch);
         },
@@ -149,14 +145,14 @@ std::vector<Bytes> encode_tables(const Tile& tile, const TileCoding& coding, Scr
             Bytes& stream = streams.emplace_back();
             for (const int8_t* weight : weights.all())
                 stream.push_back(static_cast<uint8_t>(*weight));
-            Symbols symbols(parts.pixels(), scratch);
+            symbols.count = 0;
             const Quantiser quantiser = quantiser_of(coding, level + 1);
             for_each_row(
-                parts, weights, quantiser, scratch, [&](int) { return symbols.contexts(); },
+                parts, weights, quantiser, scratch, [&](int) { return symbols.next_contexts(); },
                 [&](float* values, int width, const float* predicted, const uint8_t*) {
-                    int32_t* const quotients = symbols.values();
+                    int32_t* const quotients = symbols.next_values();
                     quantise(predicted, width, quantiser, values, quotients);
-                    symbols.add(width);
+                    symbols.count += size_t(width);
                     return quotients;
                 });
             symbols.append_to(stream, scratch);

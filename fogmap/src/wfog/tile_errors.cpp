@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <bit>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 #include "vector_clones.h"
@@ -20,23 +21,31 @@ void Errors::add(const Errors& other) {
 
 WAVEFOG_VECTOR_CLONES
 Errors errors_of(const float* original, const float* decoded, size_t count) {
-    // Sums of every fourth pixel, side by side: an order that vectors can keep.
-    constexpr size_t kLanes = 4;
-    std::array<double, kLanes> most{}, squares{};
     int negative = 0;
+    for (size_t i = 0; i < count; ++i)
+        negative |= (original[i] >= 0 ? 1 : 0) & (decoded[i] < 0 ? 1 : 0);
+    // The bits of floats that are not negative rise with them, NaN last, and compare as fast as
+    // integers.
+    std::int32_t most = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const auto error = static_cast<float>(double(original[i]) - double(decoded[i]));
+        const std::int32_t bits = std::bit_cast<std::int32_t>(error) & 0x7fffffff;
+        most = most < bits ? bits : most;
+    }
+    // Sums of every eighth pixel, side by side: an order that vectors can keep.
+    constexpr size_t kLanes = 8;
+    std::array<double, kLanes> squares{};
     const auto add = [&](size_t i, size_t lane) {
-        const double a = double(original[i]), b = double(decoded[i]);
-        const double error = std::fabs(a - b);
-        most[lane] = most[lane] < error ? error : most[lane];
+        const double error = double(original[i]) - double(decoded[i]);
         squares[lane] += error * error;
-        negative |= (a >= 0 ? 1 : 0) & (b < 0 ? 1 : 0);
     };
     size_t i = 0;
     for (; i + kLanes <= count; i += kLanes)
         for (size_t lane = 0; lane < kLanes; ++lane) add(i + lane, lane);
     for (; i < count; ++i) add(i, 0);
-    return {*std::max_element(most.begin(), most.end()),
-            (squares[0] + squares[1]) + (squares[2] + squares[3]), negative != 0};
+    // An error is at most the float after the one that it was rounded to.
+    const float above = std::bit_cast<float>(most == 0 ? 0 : most + 1);
+    return {double(above), std::accumulate(squares.begin(), squares.end(), 0.0), negative != 0};
 }
 
 bool TileErrors::add(size_t tile, const Place& place, const Tile& values) {

@@ -121,20 +121,16 @@ Counts count_indices(std::span<const std::uint16_t> indices) {
 /// Plain bits, low first.
 class BitWriter {
   public:
-    /// Of at most 64 bits for each of `symbols`.
-    BitWriter(size_t symbols, Scratch& scratch)
-        : bytes_(scratch.take<uint8_t>(8 * symbols + 8)), at_(bytes_.data()) {}
+    BitWriter(size_t most_bytes, Scratch& scratch)
+        : bytes_(scratch.take<uint8_t>(most_bytes + 8)), at_(bytes_.data()) {}
 
     /// At most 32 bits; those above `count` are 0.
     void put(uint32_t value, unsigned count) {
         buffer_ |= uint64_t(value) << filled_;
         filled_ += count;
         if (filled_ >= 32) {
-            // Not members, which bytes might overlap: one store.
-            const auto whole = static_cast<uint32_t>(buffer_);
-            uint8_t* const to = at_;
-            for (int i = 0; i < 4; ++i) to[i] = static_cast<uint8_t>(whole >> (8 * i) & 0xff);
-            at_ = to + 4;
+            for (int i = 0; i < 4; ++i) at_[i] = static_cast<uint8_t>(buffer_ >> (8 * i) & 0xff);
+            at_ += 4;
             buffer_ >>= 32;
             filled_ -= 32;
         }
@@ -166,7 +162,8 @@ uint32_t sign_of(std::int32_t value) {
 
 /// Where no context has a shift: signs, and what last tokens leave open.
 void put_signs(std::span<const std::int32_t> values, const std::uint16_t* indices,
-               BitWriter& bits) {
+               BitWriter& writer) {
+    BitWriter bits = writer;  // nobody else sees it: it may live in registers
     constexpr size_t kAtOnce = 8;
     size_t i = 0;
     for (; i + kAtOnce <= values.size(); i += kAtOnce) {
@@ -196,6 +193,7 @@ void put_signs(std::span<const std::int32_t> values, const std::uint16_t* indice
         if (indices[i] % kTokens == kLargest) put_escaped(magnitude_of(values[i]), bits);
         bits.put(sign_of(values[i]), values[i] != 0 ? 1 : 0);
     }
+    writer = bits;
 }
 
 /// How a state takes in a token: x / frequency * kScale + start + x % frequency without a division
@@ -265,6 +263,7 @@ uint64_t eight_bytes_at(const uint8_t* bytes) {
 
 void write_symbols(std::span<const std::int32_t> values, std::span<const uint8_t> contexts,
                    Scratch& scratch, Bytes& stream) {
+    const Scratch::Mark before = scratch.mark();
     const size_t count = values.size();
     const std::span<std::uint16_t> indices = scratch.take<std::uint16_t>(count);
     const bool beyond = find_indices(values.data(), contexts.data(), count, indices.data());
@@ -286,7 +285,8 @@ void write_symbols(std::span<const std::int32_t> values, std::span<const uint8_t
         while (shifts[c] < kMaxShift && (sums[c] >> shifts[c]) > 5 * seen[c]) ++shifts[c];
         shifted = shifted || shifts[c] > 0;
     }
-    BitWriter bits(count, scratch);
+    // Signs, and at most 63 bits with what last tokens leave open.
+    BitWriter bits(beyond ? 8 * count : count / 8, scratch);
     if (shifted) {
         for (size_t i = 0; i < count; ++i) {
             const unsigned c = contexts[i], shift = shifts[c];
@@ -337,6 +337,7 @@ void write_symbols(std::span<const std::int32_t> values, std::span<const uint8_t
         to[1] = static_cast<uint8_t>(*word >> 8);
     }
     stream.insert(stream.end(), plain.begin(), plain.end());
+    scratch.release(before);
 }
 
 SymbolReader::SymbolReader(View stream, size_t count) : state_count_(states_for(count)) {
@@ -452,17 +453,15 @@ uint32_t SymbolReader::escaped(unsigned token) {
     return kLargest - 1 + (1u << (length - 1) | bits(length - 1));
 }
 
+std::int32_t SymbolReader::with_sign(uint32_t magnitude, uint32_t negative) {
+    return static_cast<std::int32_t>((magnitude ^ (0 - negative)) + negative);
+}
+
 template <bool kShifts>
-void SymbolReader::read_values(const uint8_t* contexts, size_t count, std::int32_t* values) {
+void SymbolReader::read_values(const uint8_t* contexts, const uint8_t* tokens, size_t count,
+                               std::int32_t* values) {
     for (size_t i = 0; i < count; ++i) {
-        if constexpr (!kShifts)
-            // Where nothing happens, eight at once.
-            while (i + 8 <= count && eight_bytes_at(&tokens_[i]) == 0) {
-                std::fill_n(values + i, 8, 0);
-                i += 8;
-                if (i == count) return;
-            }
-        const unsigned token = tokens_[i];
+        const unsigned token = tokens[i];
         uint32_t m = token;
         if (token >= kLargest) [[unlikely]]
             m = escaped(token);
@@ -471,14 +470,40 @@ void SymbolReader::read_values(const uint8_t* contexts, size_t count, std::int32
             m = m << shift | bits(shift);
         }
         m &= 0x3fffffff;
-        // Signs are as good as random: no branches on them.
-        if (buffered_ == 0) fill_buffer();
-        const unsigned has_sign = m > 0 ? 1 : 0;
-        const auto negative = static_cast<uint32_t>(buffer_) & has_sign;
-        buffer_ >>= has_sign;
-        buffered_ -= has_sign;
-        values[i] = static_cast<std::int32_t>((m ^ (0 - negative)) + negative);
+        values[i] = with_sign(m, bits(m > 0 ? 1 : 0));
     }
+}
+
+/// Without shifts, eight at once: signs are as good as random, so there are no branches on them.
+void SymbolReader::read_unshifted(const uint8_t* contexts, size_t count, std::int32_t* values) {
+    constexpr size_t kAtOnce = 8;
+    size_t i = 0;
+    for (; i + kAtOnce <= count; i += kAtOnce) {
+        const uint8_t* const tokens = &tokens_[i];
+        const uint64_t all = eight_bytes_at(tokens);
+        if (all == 0) {
+            std::fill_n(values + i, kAtOnce, 0);
+            continue;
+        }
+        // A byte of 15 or more has bit 4 after 1 is added.
+        if (((all + 0x0101010101010101u) & 0x1010101010101010u) != 0) {
+            read_values<false>(contexts + i, tokens, kAtOnce, values + i);
+            continue;
+        }
+        if (buffered_ < kAtOnce) fill_buffer();
+        uint64_t signs = buffer_;
+        unsigned used = 0;
+        for (size_t k = 0; k < kAtOnce; ++k) {
+            const uint32_t m = tokens[k];
+            const unsigned has_sign = m > 0 ? 1 : 0;
+            values[i + k] = with_sign(m, static_cast<uint32_t>(signs) & has_sign);
+            signs >>= has_sign;
+            used += has_sign;
+        }
+        buffer_ = signs;
+        buffered_ -= used;
+    }
+    read_values<false>(contexts + i, tokens_.data() + i, count - i, values + i);
 }
 
 void SymbolReader::read(const uint8_t* contexts, size_t count, std::int32_t* values) {
@@ -489,9 +514,9 @@ void SymbolReader::read(const uint8_t* contexts, size_t count, std::int32_t* val
     if (tokens_.size() < count) tokens_.resize(count);
     read_tokens(contexts, count);
     if (shifts_)
-        read_values<true>(contexts, count, values);
+        read_values<true>(contexts, tokens_.data(), count, values);
     else
-        read_values<false>(contexts, count, values);
+        read_unshifted(contexts, count, values);
 }
 
 }  // namespace wavefog::wfog
