@@ -56,7 +56,12 @@ std::vector<int32_t> values_apart(const Tile& tile, int32_t low, int32_t high, i
     const int64_t range = int64_t(high) - low;
     if (range == 0 || range >= kMaxPackedRange) return {};
     std::vector<std::uint8_t> occurs(size_t(range) + 1);
-    for (const int32_t value : tile.values) occurs[size_t(value - low)] = 1;
+    int64_t left = (range + 1) / 2;
+    for (const int32_t value : tile.values) {
+        if (occurs[size_t(value - low)]) continue;
+        if (left-- == 0) return {};
+        occurs[size_t(value - low)] = 1;
+    }
     std::vector<int32_t> values;
     for (int64_t k = 0; k <= range; ++k) {
         if (!occurs[size_t(k)]) continue;
@@ -64,8 +69,7 @@ std::vector<int32_t> values_apart(const Tile& tile, int32_t low, int32_t high, i
         if (!values.empty() && int64_t(value) - values.back() <= 2 * bound) return {};
         values.push_back(value);
     }
-    const bool few = int64_t(values.size()) * 2 <= range + 1;
-    return few ? values : std::vector<int32_t>();
+    return values;
 }
 
 void to_ranks(const std::vector<int32_t>& table, Tile& tile) {

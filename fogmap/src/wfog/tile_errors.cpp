@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <numeric>
 #include <vector>
@@ -24,14 +23,6 @@ Errors errors_of(const float* original, const float* decoded, size_t count) {
     int negative = 0;
     for (size_t i = 0; i < count; ++i)
         negative |= (original[i] >= 0 ? 1 : 0) & (decoded[i] < 0 ? 1 : 0);
-    // The bits of floats that are not negative rise with them, NaN last, and compare as fast as
-    // integers.
-    std::int32_t most = 0;
-    for (size_t i = 0; i < count; ++i) {
-        const auto error = static_cast<float>(double(original[i]) - double(decoded[i]));
-        const std::int32_t bits = std::bit_cast<std::int32_t>(error) & 0x7fffffff;
-        most = most < bits ? bits : most;
-    }
     // Sums of every eighth pixel, side by side: an order that vectors can keep.
     constexpr size_t kLanes = 8;
     std::array<double, kLanes> squares{};
@@ -43,9 +34,8 @@ Errors errors_of(const float* original, const float* decoded, size_t count) {
     for (; i + kLanes <= count; i += kLanes)
         for (size_t lane = 0; lane < kLanes; ++lane) add(i + lane, lane);
     for (; i < count; ++i) add(i, 0);
-    // An error is at most the float after the one that it was rounded to.
-    const float above = std::bit_cast<float>(most == 0 ? 0 : most + 1);
-    return {double(above), std::accumulate(squares.begin(), squares.end(), 0.0), negative != 0};
+    return {double(largest_difference(original, decoded, count)),
+            std::accumulate(squares.begin(), squares.end(), 0.0), negative != 0};
 }
 
 bool TileErrors::add(size_t tile, const Place& place, const Tile& values) {

@@ -156,6 +156,9 @@ void put_escaped(uint32_t shifted_magnitude, BitWriter& bits) {
     bits.put(rest & ((1u << (length - 1)) - 1), length - 1);
 }
 
+std::int32_t with_sign(uint32_t magnitude, uint32_t negative) {
+    return static_cast<std::int32_t>((magnitude ^ (0 - negative)) + negative);
+}
 uint32_t sign_of(std::int32_t value) {
     return static_cast<uint32_t>(value) >> 31;
 }
@@ -392,7 +395,7 @@ void SymbolReader::fill_buffer() {
     }
 }
 
-uint32_t SymbolReader::bits(unsigned count) {
+inline uint32_t SymbolReader::bits(unsigned count) {
     if (buffered_ < count) fill_buffer();
     const auto value = static_cast<uint32_t>(buffer_ & ((uint64_t(1) << count) - 1));
     buffer_ >>= count;
@@ -451,10 +454,6 @@ uint32_t SymbolReader::escaped(unsigned token) {
     }
     const unsigned length = std::max(bits(5), 1u);
     return kLargest - 1 + (1u << (length - 1) | bits(length - 1));
-}
-
-std::int32_t SymbolReader::with_sign(uint32_t magnitude, uint32_t negative) {
-    return static_cast<std::int32_t>((magnitude ^ (0 - negative)) + negative);
 }
 
 template <bool kShifts>

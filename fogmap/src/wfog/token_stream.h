@@ -53,7 +53,6 @@ class SymbolReader {
     void read_values(const std::uint8_t* contexts, const std::uint8_t* tokens, std::size_t count,
                      std::int32_t* values);
     void read_unshifted(const std::uint8_t* contexts, std::size_t count, std::int32_t* values);
-    static std::int32_t with_sign(std::uint32_t magnitude, std::uint32_t negative);
     std::uint32_t escaped(unsigned token);
     void fill_buffer();
     std::uint32_t bits(unsigned count);
