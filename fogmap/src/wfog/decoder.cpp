@@ -73,8 +73,8 @@ Result<void> decode_pixels(const Chunks& chunks, const WfogLimits& limits, Decod
         if (!split_chunk(chunks.streams[size_t(level)], coding.tiles(), streams.emplace_back()))
             return damaged_stream();
     out.map.resize(d.height, d.width);
-    if (auto ok = decoded(decode_plane(streams, coding, limits.threads, limits.stop,
-                                       into(out.map, head.scale)));
+    if (auto ok = decoded(
+            decode_plane(streams, coding, limits.threads, limits.stop, into(out.map, head.scale)));
         !ok)
         return ok;
     if (!detail::all_finite(out.map)) return damaged_stream();

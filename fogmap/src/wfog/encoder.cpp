@@ -156,11 +156,14 @@ class PixelEncoder {
             if (const Bounds bounds = bounds_by(by); choices.empty() || choices.back() != bounds)
                 choices.push_back(bounds);
         if (choices.size() == 1) return encode_within(choices[0]);
-        const double enough = kThreeDecibels * prequantised_rms(source_.map(), head_.scale, allowed_);
+        const double enough =
+            kThreeDecibels * prequantised_rms(source_.map(), head_.scale, allowed_);
+        // The other coder's errors may be a little less than the estimate.
+        const double hopeful = enough * (options_.best ? 1.03 : 1);
         size_t choice = 0;
         for (; choice + 1 < choices.size(); ++choice) {
             const auto rms = estimate_rms(choices[choice]);
-            if (!rms || *rms <= enough) break;
+            if (!rms || *rms <= hopeful) break;
         }
         Result<Trial> trial;
         for (; choice < choices.size(); ++choice) {

@@ -20,8 +20,8 @@ inline constexpr int kDefaultTileBits = 9;
 struct PlaneCoding {
     int width = 0, height = 0;
     int tile_bits =
-        kDefaultTileBits;    ///< tiles have sides of 2^tile_bits, smaller at the far edges
-    int levels = 0;          ///< of streams, at most tile_bits
+        kDefaultTileBits;  ///< tiles have sides of 2^tile_bits, smaller at the far edges
+    int levels = 0;        ///< of streams, at most tile_bits
     Bounds bounds = {};
 
     int tiles_x() const { return ((width - 1) >> tile_bits) + 1; }

@@ -25,7 +25,8 @@ Scratch::Block Scratch::make_block(size_t size) {
     const bool large = size >= kLargePage;
     const auto alignment = static_cast<std::align_val_t>(large ? kLargePage : kRound);
     if (large) size = rounded_up(size, kLargePage);
-    Block block{{static_cast<std::byte*>(::operator new[](size, alignment)), Free{alignment}}, size};
+    Block block{{static_cast<std::byte*>(::operator new[](size, alignment)), Free{alignment}},
+                size};
 #ifdef __linux__
     // One fault instead of 512. Where the system has no large pages, small ones do.
     if (large) madvise(block.bytes.get(), size, MADV_HUGEPAGE);
@@ -40,7 +41,8 @@ std::byte* Scratch::bytes(size_t wanted) {
         used_ = 0;
     }
     if (block_ == blocks_.size()) {
-        blocks_.push_back(make_block(std::max(blocks_.empty() ? kOfValues * wanted : wanted, total_)));
+        blocks_.push_back(
+            make_block(std::max(blocks_.empty() ? kOfValues * wanted : wanted, total_)));
         total_ += blocks_.back().size;
     }
     std::byte* const taken = blocks_[block_].bytes.get() + used_;

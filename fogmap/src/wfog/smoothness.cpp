@@ -63,8 +63,8 @@ double squared_remainders(const int32_t* integers, size_t count, double low, dou
 double share_foretold(const Grid<float>& map, const Scale& scale, int64_t bound) {
     const auto width = size_t(map.cols()), rows = size_t(map.rows());
     if (width < 3 || rows < 3) return 0;
-    const int64_t largest =
-        std::max<int64_t>(std::abs(int64_t(scale.integer(map.abs().maxCoeff()).value_or(0))), bound);
+    const int64_t largest = std::max<int64_t>(
+        std::abs(int64_t(scale.integer(map.abs().maxCoeff()).value_or(0))), bound);
     const bool narrow = largest < (1 << 27);
     std::array<std::vector<int32_t>, 3> around;
     for (std::vector<int32_t>& row : around) row.resize(width);
@@ -77,10 +77,10 @@ double share_foretold(const Grid<float>& map, const Scale& scale, int64_t bound)
     for (size_t row = 1; row + 2 <= rows; row += 2) {
         read(row, here);
         read(row + 1, below);
-        const int32_t count = narrow ? count_narrow(above.data(), here.data(), below.data(), width,
-                                                    static_cast<int32_t>(bound))
-                                     : count_foretold<int64_t>(above.data(), here.data(),
-                                                               below.data(), width, bound);
+        const int32_t count =
+            narrow ? count_narrow(above.data(), here.data(), below.data(), width,
+                                  static_cast<int32_t>(bound))
+                   : count_foretold<int64_t>(above.data(), here.data(), below.data(), width, bound);
         foretold += static_cast<size_t>(count);
         std::swap(above, below);
     }
@@ -94,8 +94,7 @@ double prequantised_rms(const Grid<float>& map, const Scale& scale, int64_t boun
     double squares = 0;
     for (Eigen::Index j = 0; j < map.rows(); ++j) {
         scale.integers(map.data() + size_t(j) * width, width, row.data());
-        squares += squared_remainders(row.data(), width, low,
-                                      static_cast<double>(2 * bound + 1));
+        squares += squared_remainders(row.data(), width, low, static_cast<double>(2 * bound + 1));
     }
     return std::sqrt(squares / static_cast<double>(map.size())) * double(scale.density(1));
 }

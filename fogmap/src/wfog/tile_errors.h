@@ -24,7 +24,8 @@ Errors errors_of(const float* original, const float* decoded, std::size_t count)
 /// Decoded tiles beside a map of densities.
 class TileErrors {
   public:
-    /// `exact`: integers must be the map's own. `decoded`: gets the densities of the tiles; or null.
+    /// `exact`: integers must be the map's own. `decoded`: gets the densities of the tiles; or
+    /// null.
     TileErrors(const Grid<float>& map, const Scale& scale, std::size_t tiles, bool exact,
                Grid<float>* decoded)
         : map_(map), scale_(scale), errors_(tiles), exact_(exact), decoded_(decoded) {}
