@@ -169,6 +169,45 @@ TEST_CASE("wfog: wrong magic, wrong version and sizes that lie are told apart") 
     opens(with_size({0x80, 0x08, 24}));  // 1024 x 24: decodes to something, or an error
 }
 
+TEST_CASE("wfog: ranks that do not rise, or are too few or too many, are refused") {
+    // One tile; its values are 0, 70, 140 and 210 steps of 1/255.
+    Grid<float> map(31, 26);
+    for (Eigen::Index i = 0; i < map.size(); ++i) map.data()[i] = float((i / 9) % 4 * 70) / 255;
+    const auto fog = make_fog(map, {});
+    REQUIRE(fog.has_value());
+    const auto encoded = encode_wfog(*fog, {}, &map);
+    REQUIRE(encoded.has_value());
+    const FileBytes& file = encoded->bytes;
+    const auto starts = test::chunk_starts(file);
+    const auto at = [&](std::size_t chunk, int more) {
+        return file.begin() + std::ptrdiff_t(starts[chunk]) + more;
+    };
+    // Type and length come before, a checksum behind: coder, low, how many, their differences.
+    const FileBytes payload(at(1, 2), at(2, -4));
+    REQUIRE((payload[0] & 8) != 0);
+    REQUIRE(FileBytes(payload.begin() + 1, payload.begin() + 6) == FileBytes{0, 4, 70, 70, 70});
+    const auto with_table = [&](const FileBytes& table) {
+        FileBytes changed = {payload[0]};
+        changed.insert(changed.end(), table.begin(), table.end());
+        changed.insert(changed.end(), payload.begin() + 6, payload.end());
+        FileBytes other(file.begin(), at(1, 0));
+        const FileBytes chunk = test::make_chunk('S', changed);
+        other.insert(other.end(), chunk.begin(), chunk.end());
+        other.insert(other.end(), at(2, 0), file.end());
+        return other;
+    };
+    CHECK(opens(with_table({0, 4, 70, 70, 70})));
+    CHECK(opens(with_table({0, 4, 70, 1, 70})));
+    CHECK_FALSE(opens(with_table({0, 4, 70, 0, 70})));
+    CHECK_FALSE(opens(with_table({0, 0})));
+    CHECK_FALSE(opens(with_table({0, 1})));
+    CHECK_FALSE(opens(with_table({0, 0x81, 0x80, 0x04, 70, 70, 70})));      // 65537
+    CHECK_FALSE(opens(with_table({0, 4, 70, 0x81, 0x80, 0x04, 70})));       // 65537 further
+    CHECK_FALSE(opens(with_table({0xf4, 0xff, 0xff, 0xff, 0x0f, 2, 70})));  // past 2^31 - 1
+    CHECK(opens(with_table({0xf4, 0xff, 0xff, 0xff, 0x0f, 2, 5})));         // just there
+    CHECK_FALSE(opens(with_table({0, 0x7f})));                              // 127, and fewer bytes
+}
+
 TEST_CASE("wfog: unknown optional chunks are skipped, unknown required ones refused") {
     const FileBytes file = samples().front();
     const auto starts = test::chunk_starts(file);

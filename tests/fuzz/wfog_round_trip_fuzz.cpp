@@ -18,13 +18,21 @@ struct Choices {
     std::uint8_t error;
 };
 
+/// Sides up to 160, mostly less. A search encodes many times, so its maps are smaller; one over
+/// rays follows every line through each of its files, so that those are the smallest.
+int side(WfogOptions::Promise promise, int byte) {
+    using Promise = WfogOptions::Promise;
+    const int divisor = promise == Promise::max_transmittance_error ? 6000
+                        : promise == Promise::bytes                 ? 3000
+                                                                    : 408;
+    return 1 + byte * byte / divisor;
+}
+
 /// Repeats the pixels, each time changed, so that a short input can be a large map.
-Grid<float> make_map(const Choices& choices, bool searches, const std::uint8_t* pixels,
-                     std::size_t count) {
-    // Up to 160 a side, mostly less; a search encodes many times, so its maps are small.
-    const auto side = [&](int byte) { return 1 + byte * byte / (searches ? 3000 : 408); };
-    const int width = side(choices.width), height = side(choices.height);
-    const bool wide = (choices.kind & 64) != 0;  // more than one tile
+Grid<float> make_map(const Choices& choices, WfogOptions::Promise promise,
+                     const std::uint8_t* pixels, std::size_t count) {
+    const int width = side(promise, choices.width), height = side(promise, choices.height);
+    const bool wide = (choices.kind & 64) != 0;  // more than one tile, where maps are large
     Grid<float> map(wide ? 1 + height / 16 : height, wide ? width * 4 : width);
     const int kind = choices.kind & 3;
     const std::size_t each = kind == 2 ? sizeof(float) : 1, pattern = count / each;
@@ -53,9 +61,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     std::memcpy(&choices, data, sizeof choices);
     using Promise = WfogOptions::Promise;
     const auto promise = static_cast<Promise>(choices.kind >> 3 & 3);
-    const bool searches = promise == Promise::bytes || promise == Promise::max_transmittance_error;
     const Grid<float> map =
-        make_map(choices, searches, data + sizeof choices, size - sizeof choices);
+        make_map(choices, promise, data + sizeof choices, size - sizeof choices);
     FogOptions fog_options{.degree = 1, .levels = 2};
     if (choices.kind & 32) fog_options.boundary = Boundary::repeat;
     if (choices.kind & 128) fog_options.form = Form::scaling;
@@ -67,7 +74,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     options.best = (choices.kind & 4) != 0;
     options.promise = promise;
     options.error = (1 + choices.error) / 512.0;
-    options.path = 1 + choices.error;
+    options.path = 1 + choices.error / 8;  // cells: some maps are shorter, some longer
     options.bytes = 64 + std::size_t(choices.error) * 16;
     const auto file = encode_wfog(*fog, options, &map);
     // Only a size can be impossible.

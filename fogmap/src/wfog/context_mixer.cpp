@@ -1,5 +1,9 @@
 #include "context_mixer.h"
 
+#include <numeric>
+
+#include "vector_clones.h"
+
 namespace wavefog::wfog {
 
 namespace {
@@ -40,8 +44,10 @@ MixerTables::MixerTables() {
         squash[i] =
             static_cast<float>(1 / (1 + exponential((2047.5 - static_cast<double>(i)) / 170)));
     }
-    for (std::size_t n = 0; n < rates.size(); ++n)
-        rates[n] = static_cast<std::uint16_t>(65536 * 5 / (5 * n + 8));
+    // An estimate that has seen little is believed little.
+    constexpr float trust[5] = {0.0f, 0.5f, 0.7f, 0.85f, 1.0f};
+    for (std::size_t n = 0; n < paces.size(); ++n)
+        paces[n] = {trust[n < 4 ? n : 4], static_cast<std::uint16_t>(65536 * 5 / (5 * n + 8))};
 }
 
 const MixerTables& mixer_tables() {
@@ -50,9 +56,85 @@ const MixerTables& mixer_tables() {
 }
 
 ContextMixer::ContextMixer(const std::array<std::uint32_t, kContexts>& sizes)
-    : first_(kNodes * kFirstSets * kInputs, 0.2f), second_(kNodes * kSecondSets * kInputs, 0.2f) {
-    for (std::size_t i = 0; i < kContexts; ++i)
-        estimates_[i].resize(std::size_t(sizes[i]) * kNodes);
+    : estimates_(std::size_t(std::accumulate(sizes.begin(), sizes.end(), 0u)) * kNodes),
+      first_(kNodes * kFirstSets * kInputs, 0.2f),
+      second_(kNodes * kSecondSets * kInputs, 0.2f) {
+    Estimate* base = estimates_.data();
+    for (std::size_t i = 0; i < kContexts; ++i) {
+        bases_[i] = rows_[i] = base;
+        base += std::size_t(sizes[i]) * kNodes;
+    }
+}
+
+[[gnu::always_inline]] inline float ContextMixer::squash(float x) const {
+    const int i = static_cast<int>(x * 170.0f + 2048.0f);
+    return tables_.squash[static_cast<std::size_t>(i < 0 ? 0 : i > 4095 ? 4095 : i)];
+}
+
+// Four sums side by side: an order that vector units can keep.
+[[gnu::always_inline]] inline float ContextMixer::dot(const float* a, const float* b) {
+    float sum[4] = {0, 0, 0, 0};
+    for (std::size_t i = 0; i < kInputs; i += 4)
+        for (std::size_t k = 0; k < 4; ++k) sum[k] += a[i + k] * b[i + k];
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+[[gnu::always_inline]] inline void ContextMixer::learn(float* weights, const float* in,
+                                                       float error) {
+    // Bounded, so that no input however long can reach infinity.
+    for (std::size_t i = 0; i < kInputs; ++i) {
+        const float w = weights[i] + error * in[i];
+        weights[i] = w > 16.0f ? 16.0f : w < -16.0f ? -16.0f : w;
+    }
+}
+
+template <class Coder>
+[[gnu::always_inline]] inline int ContextMixer::code_by(Coder& coder, int bit, int node,
+                                                        int first_set, int second_set) {
+    const MixerTables& tables = tables_;
+    alignas(32) std::array<float, kInputs> in;
+    alignas(32) std::array<std::uint16_t, kLanes> p{}, seen{}, rates{};
+    for (std::size_t i = 0; i < kContexts; ++i) {
+        const Estimate e = rows_[i][node];
+        const Pace& pace = tables.paces[e.seen];
+        p[i] = e.p;
+        seen[i] = e.seen;
+        rates[i] = pace.rate;
+        in[i] = tables.stretch[e.p >> 4] * pace.trust;
+    }
+    in[kContexts] = 0.4f;
+    in[kContexts + 1] = 0.0f;
+    float* const first = &first_[std::size_t(node * kFirstSets + first_set) * kInputs];
+    float* const second = &second_[std::size_t(node * kSecondSets + second_set) * kInputs];
+    const float x = dot(first, in.data()), y = dot(second, in.data());
+    const float mixed = squash((x + y) * 0.5f) * 65536.0f;
+    const int one = static_cast<int>(mixed);
+    bit = coder.code(bit, static_cast<std::uint32_t>(one < 1 ? 1 : one > 65535 ? 65535 : one));
+
+    constexpr float rate = 0.01f;
+    const float truth = bit ? 1.0f : 0.0f;
+    learn(first, in.data(), (truth - squash(x)) * rate);
+    learn(second, in.data(), (truth - squash(y)) * rate);
+    // Towards 65535 or 0 by the rate's share of the way, rounded down.
+    const auto flip = static_cast<std::uint16_t>(bit ? 0xffff : 0);
+    for (std::size_t i = 0; i < kLanes; ++i) {
+        const auto q = static_cast<std::uint16_t>(p[i] ^ flip);
+        const auto way = static_cast<std::uint16_t>(std::uint32_t(q) * rates[i] >> 16);
+        p[i] = static_cast<std::uint16_t>((q - way) ^ flip);
+        seen[i] = static_cast<std::uint16_t>(seen[i] + (seen[i] < kMostSeen ? 1 : 0));
+    }
+    for (std::size_t i = 0; i < kContexts; ++i) rows_[i][node] = {p[i], seen[i]};
+    return bit;
+}
+
+WAVEFOG_VECTOR_CLONES
+int ContextMixer::code(RangeEncoder& coder, int bit, int node, int first_set, int second_set) {
+    return code_by(coder, bit, node, first_set, second_set);
+}
+
+WAVEFOG_VECTOR_CLONES
+int ContextMixer::code(RangeDecoder& coder, int bit, int node, int first_set, int second_set) {
+    return code_by(coder, bit, node, first_set, second_set);
 }
 
 }  // namespace wavefog::wfog

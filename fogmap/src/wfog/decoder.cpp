@@ -10,24 +10,9 @@
 
 namespace wavefog::wfog {
 
-using std::int32_t;
 using std::size_t;
 
 namespace {
-
-/// The tiles of a level's chunk.
-bool split(View chunk, size_t tiles, std::vector<View>& parts) {
-    if (tiles == 1) {
-        parts.push_back(chunk);
-        return true;
-    }
-    Reader r(chunk);
-    if (tiles > chunk.size()) return false;
-    std::vector<std::uint64_t> sizes(tiles);
-    for (std::uint64_t& size : sizes) size = r.length();
-    for (const std::uint64_t size : sizes) parts.push_back(r.take(size));
-    return !r.failed() && r.left() == 0;
-}
 
 tl::unexpected<Error> damaged_stream() {
     return data_error("damaged: a stream is impossible; get the file again");
@@ -48,44 +33,50 @@ PlaneCoding coding_of(const Head& head, int width, int height, int levels) {
     return {width, height, head.tile_bits, levels, head.bounds};
 }
 
-Grid<float> densities_of(const std::vector<int32_t>& integers, const Scale& scale, int width,
-                         int height) {
-    Grid<float> map(height, width);
-    scale.densities(integers.data(), integers.size(), map.data());
-    return map;
-}
-
-Result<std::vector<int32_t>> decode_integers(const Chunks& chunks, const WfogLimits& limits,
-                                             int levels) {
-    const Head& head = chunks.head;
-    const Decomposition<float>& d = head.fog.decomposition;
-    const PlaneCoding coding = coding_of(head, d.width, d.height, head.stream_levels);
-    PlaneViews streams;
-    for (int level = 0; level < levels; ++level) {
-        streams.emplace_back();
-        if (!split(chunks.streams[size_t(level)], coding.tiles(), streams.back()))
-            return damaged_stream();
+bool split_chunk(View chunk, size_t tiles, std::vector<View>& parts) {
+    if (tiles == 1) {
+        parts.push_back(chunk);
+        return true;
     }
-    std::vector<int32_t> integers(size_t(d.width) * size_t(d.height));
-    switch (decode_plane(streams, coding, limits.threads, limits.stop, integers)) {
-        case PlaneResult::damaged:
-            return damaged_stream();
-        case PlaneResult::stopped:
-            return cancelled();
-        case PlaneResult::done:
-            break;
-    }
-    return integers;
+    Reader r(chunk);
+    if (tiles > chunk.size()) return false;
+    std::vector<std::uint64_t> sizes(tiles);
+    for (std::uint64_t& size : sizes) size = r.length();
+    for (const std::uint64_t size : sizes) parts.push_back(r.take(size));
+    return !r.failed() && r.left() == 0;
 }
 
 namespace {
 
+/// Tiles as densities of a map.
+TileSink into(Grid<float>& map, const Scale& scale) {
+    return [&](size_t, const Place& place, const Tile& tile) {
+        for (int j = 0; j < place.height; ++j)
+            scale.densities(tile.row(j), size_t(place.width),
+                            map.data() + place.index(j, static_cast<int>(map.cols())));
+        return true;
+    };
+}
+
+Result<void> decoded(PlaneResult result) {
+    if (result == PlaneResult::damaged) return damaged_stream();
+    if (result == PlaneResult::stopped) return cancelled();
+    return {};
+}
+
 Result<void> decode_pixels(const Chunks& chunks, const WfogLimits& limits, DecodedFog& out) {
     const Head& head = chunks.head;
     Decomposition<float>& d = out.fog.decomposition;
-    const auto integers = decode_integers(chunks, limits, out.levels);
-    if (!integers) return tl::unexpected(integers.error());
-    out.map = densities_of(*integers, head.scale, d.width, d.height);
+    const PlaneCoding coding = coding_of(head, d.width, d.height, head.stream_levels);
+    PlaneViews streams;
+    for (int level = 0; level < out.levels; ++level)
+        if (!split_chunk(chunks.streams[size_t(level)], coding.tiles(), streams.emplace_back()))
+            return damaged_stream();
+    out.map.resize(d.height, d.width);
+    if (auto ok = decoded(
+            decode_plane(streams, coding, limits.threads, limits.stop, into(out.map, head.scale)));
+        !ok)
+        return ok;
     if (!detail::all_finite(out.map)) return damaged_stream();
     auto decomposed = decompose_as(out.map, d, head.levels);
     if (!decomposed) return tl::unexpected(decomposed.error());
@@ -113,12 +104,10 @@ Result<void> decode_coefficients(const Chunks& chunks, const WfogLimits& limits,
                 for (size_t tile = 0; tile < coding.tiles(); ++tile)
                     stream.push_back(r.take(r.length()));
             if (r.failed()) return damaged_stream();
-            std::vector<int32_t> integers(static_cast<size_t>(band->values.size()));
-            const PlaneResult result =
-                decode_plane(streams, coding, limits.threads, limits.stop, integers);
-            if (result == PlaneResult::stopped) return cancelled();
-            if (result == PlaneResult::damaged) return damaged_stream();
-            band->values = densities_of(integers, head.scale, band->width(), band->height());
+            if (auto ok = decoded(decode_plane(streams, coding, limits.threads, limits.stop,
+                                               into(band->values, head.scale)));
+                !ok)
+                return ok;
         }
         if (r.left() != 0) return damaged_stream();
     }

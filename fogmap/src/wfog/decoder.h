@@ -16,12 +16,8 @@ Result<Decomposition<float>> decompose_as(const Grid<float>& map, const Decompos
 
 PlaneCoding coding_of(const Head& head, int width, int height, int levels);
 
-Grid<float> densities_of(const std::vector<std::int32_t>& integers, const Scale& scale, int width,
-                         int height);
-
-/// The pixels of the first `levels` streams, the others interpolated.
-Result<std::vector<std::int32_t>> decode_integers(const Chunks& chunks, const WfogLimits& limits,
-                                                  int levels);
+/// The tiles of a level's chunk. False if it does not hold so many.
+bool split_chunk(View chunk, std::size_t tiles, std::vector<View>& parts);
 
 /// decode_wfog(), which may throw std::bad_alloc.
 Result<DecodedFog> decode(View bytes, const WfogLimits& limits);

@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <optional>
 
 #include "bands.h"
@@ -14,6 +12,8 @@
 #include "format.h"
 #include "plane.h"
 #include "ray_errors.h"
+#include "smoothness.h"
+#include "tile_errors.h"
 
 namespace wavefog::wfog {
 
@@ -28,6 +28,10 @@ constexpr double kRounding = 2e-6;
 /// Lossy floats become integers of a 31st of the promised interval, so that the predictor works
 /// below the bound.
 constexpr int64_t kStepsOfBound = 15;
+
+tl::unexpected<Error> broken_promise() {
+    return data_error("the encoded bytes do not keep the promise; this is a bug, please report it");
+}
 
 /// The map that gives exactly the fog's coefficients, if one is found.
 bool gives(const Grid<float>& map, const Fog& fog) {
@@ -64,36 +68,13 @@ Source source_of(const Fog& fog, const Grid<float>* map, bool lossless) {
     return source;
 }
 
-std::vector<int32_t> integers_of(const Grid<float>& map, const Scale& scale) {
-    std::vector<int32_t> integers(static_cast<size_t>(map.size()));
-    scale.integers(map.data(), integers.size(), integers.data());
-    return integers;
-}
-
-struct Errors {
-    double most = 0, rms = 0;
-    bool negative = false;  ///< somewhere below 0 where the original is not
-};
-
-Errors compare(const Grid<float>& original, const Grid<float>& decoded) {
-    // Sums of every fourth pixel, side by side: an order that vectors can keep.
-    constexpr Eigen::Index kLanes = 4;
-    std::array<double, kLanes> most{}, squares{};
-    int negative = 0;
-    const auto add = [&](Eigen::Index i, size_t lane) {
-        const double a = double(original.data()[i]), b = double(decoded.data()[i]);
-        const double error = std::fabs(a - b);
-        most[lane] = most[lane] < error ? error : most[lane];
-        squares[lane] += error * error;
-        negative |= (a >= 0 ? 1 : 0) & (b < 0 ? 1 : 0);
+/// Tiles of a map as integers. What the scale does not have, the check of the decoded bytes finds.
+TileSource tiles_of(const Grid<float>& map, const Scale& scale) {
+    return [&](const Place& place, Tile& tile) {
+        for (int j = 0; j < place.height; ++j)
+            scale.integers(map.data() + place.index(j, static_cast<int>(map.cols())),
+                           size_t(place.width), tile.row(j));
     };
-    Eigen::Index i = 0;
-    for (; i + kLanes <= original.size(); i += kLanes)
-        for (Eigen::Index lane = 0; lane < kLanes; ++lane) add(i + lane, static_cast<size_t>(lane));
-    for (; i < original.size(); ++i) add(i, 0);
-    const double sum = std::accumulate(squares.begin(), squares.end(), 0.0);
-    return {*std::max_element(most.begin(), most.end()),
-            std::sqrt(sum / static_cast<double>(original.size())), negative != 0};
 }
 
 Head head_of(const Fog& fog) {
@@ -112,12 +93,10 @@ Head head_of(const Fog& fog) {
     return head;
 }
 
-/// A file and what a decoder must make of it.
+/// A file and what a decoder makes of it.
 struct Trial {
     EncodedFog file;
-    Head head;
-    std::vector<int32_t> integers;
-    Grid<float> map;
+    Grid<float> map;        ///< where rays are promised
     bool negative = false;  ///< somewhere below 0 where the original is not
 };
 
@@ -126,38 +105,6 @@ struct Trial {
 bool wants_finer_steps(double steps) {
     constexpr double kMostSteps = 16;
     return steps < kMostSteps && steps - std::floor(steps) > 0.5;
-}
-
-/// How many pixels inside the map the mean of the four around them foretells within the bound; of
-/// every other row. `Int` holds four times any integer and the bound.
-template <class Int>
-size_t count_foretold(const std::vector<int32_t>& integers, size_t width, Int bound) {
-    size_t foretold = 0;
-    for (size_t row = 1; (row + 2) * width <= integers.size(); row += 2) {
-        const int32_t* const here = integers.data() + row * width;
-        const int32_t *const above = here - width, *const below = here + width;
-        int32_t in_row = 0;
-        for (size_t i = 1; i + 1 < width; ++i) {
-            const Int around = Int(here[i - 1]) + here[i + 1] + above[i] + below[i];
-            const Int off = 4 * Int(here[i]) - around;
-            in_row += (off <= 4 * bound ? 1 : 0) & (off >= -4 * bound ? 1 : 0);
-        }
-        foretold += static_cast<size_t>(in_row);
-    }
-    return foretold;
-}
-
-/// The share of pixels that follow from their neighbours.
-double share_foretold(const std::vector<int32_t>& integers, int width, int64_t bound) {
-    const auto w = static_cast<size_t>(width);
-    const size_t rows = integers.size() / w;
-    if (w < 3 || rows < 3) return 0;
-    const auto [least, most] = std::minmax_element(integers.begin(), integers.end());
-    const int64_t largest = std::max({int64_t(*most), -int64_t(*least), bound});
-    const size_t foretold = largest < (1 << 27)
-                                ? count_foretold(integers, w, static_cast<int32_t>(bound))
-                                : count_foretold(integers, w, bound);
-    return static_cast<double>(foretold) / static_cast<double>((rows - 1) / 2 * (w - 2));
 }
 
 /// Bounds of a smooth map: that of the finest level as a share of what is allowed, and those of the
@@ -196,68 +143,115 @@ class PixelEncoder {
 
     Result<Trial> encode(double error) {
         choose_scale(error);
-        return encode_within(kTightness[0]);
+        return encode_within(bounds_by(kTightness[0]));
     }
 
     /// The same, with errors that are 3 dB below a prequantiser's where the map is smooth.
     Result<Trial> encode_well(double error) {
         choose_scale(error);
+        std::vector<Bounds> choices;
+        for (const Tightness& by : kTightness)
+            if (const Bounds bounds = bounds_by(by); choices.empty() || choices.back() != bounds)
+                choices.push_back(bounds);
+        if (choices.size() == 1) return encode_within(choices[0]);
+        const double enough =
+            kThreeDecibels * prequantised_rms(source_.map(), head_.scale, allowed_);
+        // The other coder's errors may be a little less than the estimate.
+        const double hopeful = enough * (options_.best ? 1.03 : 1);
+        size_t choice = 0;
+        for (; choice + 1 < choices.size(); ++choice) {
+            const auto rms = estimate_rms(choices[choice]);
+            if (!rms || *rms <= hopeful) break;
+        }
         Result<Trial> trial;
-        std::optional<Bounds> last;  ///< of the trial
-        double rms_prequantised = 0;
-        for (const Tightness& by : kTightness) {
-            if (last && *last == tightened(allowed_, head_.stream_levels, by)) continue;
-            trial = encode_within(by);
-            last = head_.bounds;
-            if (!trial || last->coarser.empty()) break;
-            if (rms_prequantised == 0) rms_prequantised = prequantised();
-            if (trial->file.report.rms_error <= kThreeDecibels * rms_prequantised) break;
+        for (; choice < choices.size(); ++choice) {
+            trial = encode_within(choices[choice]);
+            if (!trial || trial->file.report.rms_error <= enough) break;
         }
         return trial;
     }
 
   private:
-    /// With the scale as it is.
-    Result<Trial> encode_within(const Tightness& by) {
-        Trial trial;
-        trial.integers = integers_of(source_.map(), head_.scale);
+    /// Where most pixels follow from their neighbours, exact neighbours are worth their bits.
+    Bounds bounds_by(const Tightness& by) const {
+        if (smooth_) return tightened(allowed_, head_.stream_levels, by);
+        return {.finest = allowed_};
+    }
+
+    PlaneCoding coding() const {
         const Decomposition<float>& d = head_.fog.decomposition;
-        // Where most pixels follow from their neighbours, exact neighbours are worth their bits.
-        head_.bounds = {.finest = allowed_};
-        if (allowed_ > 1 && share_foretold(trial.integers, d.width, allowed_) > 0.95)
-            head_.bounds = tightened(allowed_, head_.stream_levels, by);
+        return coding_of(head_, d.width, d.height, head_.stream_levels);
+    }
+
+    std::optional<double> estimate_rms(const Bounds& bounds) {
+        head_.bounds = bounds;
+        const auto squares = estimate_squared_errors(coding(), options_.threads, options_.stop,
+                                                     tiles_of(source_.map(), head_.scale));
+        if (!squares) return {};
+        return std::sqrt(*squares / static_cast<double>(source_.map().size())) *
+               double(head_.scale.density(1));
+    }
+
+    /// With the scale as it is.
+    Result<Trial> encode_within(const Bounds& bounds) {
+        head_.bounds = bounds;
+        Trial trial;
+        const Grid<float>& map = source_.map();
+        const bool by_rays = options_.promise == WfogOptions::Promise::max_transmittance_error;
+        if (by_rays) trial.map.resize(map.rows(), map.cols());
+        const PlaneCoding plane = coding();
+        TileErrors errors(map, head_.scale, plane.tiles(), allowed_ == 0,
+                          by_rays ? &trial.map : nullptr);
         PlaneStreams streams;
-        if (!encode_plane(trial.integers, coding_of(head_, d.width, d.height, head_.stream_levels),
-                          options_.best, options_.threads, options_.stop, streams))
-            return cancelled();
-        trial.map = densities_of(trial.integers, head_.scale, d.width, d.height);
-        const Errors made = compare(source_.map(), trial.map);
+        const PlaneResult result = encode_plane(
+            plane, options_.best, options_.threads, options_.stop, tiles_of(map, head_.scale),
+            [&](size_t tile, const Place& place, const Tile& decoded) {
+                return errors.add(tile, place, decoded);
+            },
+            streams);
+        if (result == PlaneResult::stopped) return cancelled();
+        if (result == PlaneResult::damaged) return broken_promise();
+        const Errors made = errors.sum();
         head_.max_error = static_cast<float>(made.most);
         std::vector<Bytes> chunks;
-        for (std::vector<Bytes>& level : streams) chunks.push_back(join(level));
-        trial.head = head_;
+        for (const std::vector<Bytes>& level : streams) chunks.push_back(join(level));
         trial.file.bytes = write_chunks(head_, chunks);
+        if (!holds(trial.file.bytes, streams)) return broken_promise();
         trial.file.report.max_error = made.most;
-        trial.file.report.rms_error = made.rms;
+        trial.file.report.rms_error = std::sqrt(made.squares / static_cast<double>(map.size()));
         trial.negative = made.negative;
         return trial;
     }
 
-    /// RMS error of every integer moved to the nearest of those that are 2 allowed_ + 1 apart.
-    double prequantised() const {
-        const std::vector<int32_t> integers = integers_of(source_.map(), head_.scale);
-        const int64_t low = *std::min_element(integers.begin(), integers.end());
-        double squares = 0;
-        for (const int32_t k : integers) {
-            const auto off =
-                static_cast<double>((k - low + allowed_) % (2 * allowed_ + 1) - allowed_);
-            squares += off * off;
+    /// The bytes of the file are those of the tiles that were decoded, and its head says what they
+    /// were decoded by.
+    bool holds(const Bytes& bytes, const PlaneStreams& streams) const {
+        const auto chunks = read_chunks(bytes, false);
+        if (!chunks) return false;
+        const Head& head = chunks->head;
+        const Decomposition<float>&ours = head_.fog.decomposition, &its = head.fog.decomposition;
+        if (its.width != ours.width || its.height != ours.height || head.scale != head_.scale ||
+            head.bounds != head_.bounds || head.tile_bits != head_.tile_bits ||
+            head.stream_levels != head_.stream_levels || head.content != head_.content ||
+            chunks->streams.size() != streams.size())
+            return false;
+        for (size_t level = 0; level < streams.size(); ++level) {
+            std::vector<View> tiles;
+            if (!split_chunk(chunks->streams[level], streams[level].size(), tiles)) return false;
+            for (size_t t = 0; t < tiles.size(); ++t)
+                if (!std::equal(tiles[t].begin(), tiles[t].end(), streams[level][t].begin(),
+                                streams[level][t].end()))
+                    return false;
         }
-        return std::sqrt(squares / static_cast<double>(integers.size())) *
-               double(head_.scale.density(1));
+        return true;
     }
 
     void choose_scale(double error) {
+        find_scale(error);
+        smooth_ = allowed_ > 1 && share_foretold(source_.map(), head_.scale, allowed_) > 0.95;
+    }
+
+    void find_scale(double error) {
         allowed_ = 0;
         const bool by_rays = options_.promise == WfogOptions::Promise::max_transmittance_error;
         if (source_.ratio && !(by_rays && wants_finer_steps(error * source_.ratio->divisor))) {
@@ -291,6 +285,7 @@ class PixelEncoder {
     const WfogOptions& options_;
     Head head_;
     int64_t allowed_ = 0;  ///< how far an integer may be off
+    bool smooth_ = false;  ///< most pixels follow from their neighbours
 };
 
 /// A file of the coefficients themselves: for fogs that no map of floats gives bit for bit.
@@ -304,13 +299,19 @@ Result<EncodedFog> encode_coefficients(const Fog& fog, const WfogOptions& option
         Writer chunk;
         for (const Band<float>* band : level) {
             if (band->values.size() == 0) continue;
-            std::vector<int32_t> integers = integers_of(band->values, head.scale);
             PlaneStreams streams;
             const PlaneCoding coding =
                 coding_of(head, band->width(), band->height(), band_levels(*band, head.tile_bits));
-            if (!encode_plane(integers, coding, options.best, options.threads, options.stop,
-                              streams))
-                return cancelled();
+            TileErrors errors(band->values, head.scale, coding.tiles(), true, nullptr);
+            const PlaneResult result = encode_plane(
+                coding, options.best, options.threads, options.stop,
+                tiles_of(band->values, head.scale),
+                [&](size_t tile, const Place& place, const Tile& decoded) {
+                    return errors.add(tile, place, decoded);
+                },
+                streams);
+            if (result == PlaneResult::stopped) return cancelled();
+            if (result == PlaneResult::damaged) return broken_promise();
             for (const auto& stream : streams)
                 for (const Bytes& tile : stream) {
                     chunk.length(tile.size());
@@ -392,24 +393,11 @@ Result<Trial> fit_rays(PixelEncoder& encoder, const Fog& fog, const Source& sour
     return best;
 }
 
-tl::unexpected<Error> broken_promise() {
-    return data_error("the encoded bytes do not keep the promise; this is a bug, please report it");
-}
-
-/// Every pixel of the decoded bytes is what the encoder measured, and keeps the promise.
-Result<void> verify(const Trial& trial, const Source& source, double allowed,
-                    const WfogOptions& options) {
-    const auto chunks = read_chunks(trial.file.bytes, false);
-    if (!chunks) return tl::unexpected(chunks.error());
-    WfogLimits limits;
-    limits.threads = options.threads;
-    limits.stop = options.stop;
-    const auto decoded = decode_integers(*chunks, limits, chunks->expected());
-    if (!decoded) return tl::unexpected(decoded.error());
+/// Every pixel, as decoded from the file's bytes, keeps the promise.
+Result<void> check_promise(const Trial& trial, const Source& source, double allowed) {
     // k / 255 and k' / 255 are floats, each off by half of its last bit.
     const double rounding = allowed > 0 ? double(source.map().abs().maxCoeff()) * 0x1p-23 : 0;
-    if (*decoded != trial.integers || chunks->head.scale != trial.head.scale ||
-        trial.file.report.max_error > allowed + rounding || (allowed > 0 && trial.negative))
+    if (trial.file.report.max_error > allowed + rounding || (allowed > 0 && trial.negative))
         return broken_promise();
     return {};
 }
@@ -437,7 +425,7 @@ Result<EncodedFog> encode_pixels(const Fog& fog, const Source& source, double sc
             break;
     }
     if (!trial) return tl::unexpected(trial.error());
-    if (auto ok = verify(*trial, source, allowed, options); !ok) return tl::unexpected(ok.error());
+    if (auto ok = check_promise(*trial, source, allowed); !ok) return tl::unexpected(ok.error());
     return std::move(trial->file);
 }
 

@@ -4,18 +4,26 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include "scratch.h"
+
 namespace wavefog::wfog {
 
-/// Pixels of one tile, row by row: integers that the map's scale turns into densities.
+/// Pixels of one tile, row by row: integers that the map's scale turns into densities. In memory of
+/// a Scratch, not set at first.
 struct Tile {
-    int width = 0, height = 0;
-    std::vector<std::int32_t> values;
+    int width, height;
+    std::span<std::int32_t> values;
 
-    Tile() = default;
-    Tile(int w, int h) : width(w), height(h), values(std::size_t(w) * std::size_t(h)) {}
+    Tile(int w, int h, Scratch& scratch)
+        : width(w),
+          height(h),
+          values(scratch.take<std::int32_t>(std::size_t(w) * std::size_t(h))) {}
+    std::int32_t* row(int y) { return values.data() + index(0, y); }
+    const std::int32_t* row(int y) const { return values.data() + index(0, y); }
     std::size_t index(int x, int y) const {
         return std::size_t(y) * std::size_t(width) + std::size_t(x);
     }

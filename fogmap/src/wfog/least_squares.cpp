@@ -52,6 +52,7 @@ void LeastSquares::shrink() {
     growth_ = 1;
 }
 
+WAVEFOG_VECTOR_CLONES
 void LeastSquares::solve() {
     // Column after column of L, whose products leave the columns behind at once: side by side, and
     // from every element in the order of columns. `l[k]` is column k; the right side goes along.

@@ -114,8 +114,8 @@ class Model {
             p = x > 0 ? at(x - h, y) : at(x, y - h);
         }
         const int energy = static_cast<int>(std::min<int64_t>(change, 100000));
-        mixer_.context = {};
-        mixer_.context[0] = uint32_t(coarse12(energy));
+        for (size_t kind = 1; kind < ContextMixer::kContexts; ++kind) mixer_.set(kind, 0);
+        mixer_.set(0, uint32_t(coarse12(energy)));
         value(tile_.index(x, y), p, energy, 0, false);
     }
 
@@ -196,24 +196,25 @@ class Model {
         const double shape = (v[0] + v[3] - v[1] - v[2]) * inverse;
         const double trend = ((v[12] + v[13]) * 0.5 - (predicted - base)) * inverse;
         const auto p = static_cast<uint32_t>(pass);
-        std::array<uint32_t, ContextMixer::kContexts>& c = mixer_.context;
-        c[0] = uint32_t(coarse12(recent) * 12 + coarse12(inner)) * 2 + p;
-        c[1] = uint32_t(std::min(coarse(spread), 15) * 16 + std::min(coarse(deviated), 15));
-        c[2] = signed_class((along - predicted) * inverse, kBlendLimits) * 12 +
-               uint32_t(coarse12(total));
-        c[3] = (clipped(q[12], 3) * 7 + clipped(q[13], 3)) * 9 + clipped(q[14], 1) * 3 +
-               clipped(q[15], 1);
-        c[4] = uint32_t(std::min(m(0), 3) * 64 + std::min(m(1), 3) * 16 + std::min(m(2), 3) * 4 +
-                        std::min(m(3), 3)) *
-                   2 +
-               p;
-        c[6] = static_cast<uint32_t>((predicted - whole) * 8) * 12 + uint32_t(coarse12(total));
-        c[7] = uint32_t(blended * 6 + depth * 2) + p;
-        c[8] = ((signed_class(shape, kShapeLimits) * 15 + signed_class(trend, kShapeLimits)) * 2 +
+        mixer_.set(0, uint32_t(coarse12(recent) * 12 + coarse12(inner)) * 2 + p);
+        mixer_.set(1, uint32_t(std::min(coarse(spread), 15) * 16 + std::min(coarse(deviated), 15)));
+        mixer_.set(2, signed_class((along - predicted) * inverse, kBlendLimits) * 12 +
+                          uint32_t(coarse12(total)));
+        mixer_.set(3, (clipped(q[12], 3) * 7 + clipped(q[13], 3)) * 9 + clipped(q[14], 1) * 3 +
+                          clipped(q[15], 1));
+        mixer_.set(4, uint32_t(std::min(m(0), 3) * 64 + std::min(m(1), 3) * 16 +
+                               std::min(m(2), 3) * 4 + std::min(m(3), 3)) *
+                              2 +
+                          p);
+        mixer_.set(6,
+                   static_cast<uint32_t>((predicted - whole) * 8) * 12 + uint32_t(coarse12(total)));
+        mixer_.set(7, uint32_t(blended * 6 + depth * 2) + p);
+        mixer_.set(
+            8, ((signed_class(shape, kShapeLimits) * 15 + signed_class(trend, kShapeLimits)) * 2 +
                 (predicted < along ? 1u : 0u)) *
-                   2 +
-               p;
-        c[9] = lows;
+                       2 +
+                   p);
+        mixer_.set(9, lows);
 
         value(here, static_cast<int64_t>(std::floor(predicted + 0.5)), energy, blended,
               (lows & 0xff) != 0);
@@ -253,6 +254,8 @@ class Model {
         const int64_t magnitude = std::abs(quotient);
         candidate(p);
         if (shift == 0) {
+            expect_candidate(p - step_);
+            expect_candidate(p + step_);
             if (code(quotient == 0, kIsZero, energy_class, second_set)) return 0;
             const int negative = code(quotient < 0, kSign, energy_class, second_set);
             const int64_t towards = negative ? -step_ : step_;
@@ -263,6 +266,7 @@ class Model {
                     break;
                 }
                 candidate(p + m * towards);
+                expect_candidate(p + (m + 1) * towards);
                 if (!code(magnitude > m, kUnary + u, energy_class, second_set)) break;
             }
             return negative ? -m : m;
@@ -287,7 +291,10 @@ class Model {
     }
 
     /// What a decision would make of the pixel, as its context: maps with few values show it.
-    void candidate(int64_t v) { mixer_.context[5] = static_cast<uint32_t>(v) % kCandidates; }
+    void candidate(int64_t v) { mixer_.set(5, static_cast<uint32_t>(v) % kCandidates); }
+    void expect_candidate(int64_t v) const {
+        mixer_.expect(5, static_cast<uint32_t>(v) % kCandidates);
+    }
 
     /// Exponential Golomb code of n >= 0, up to 34 bits.
     int64_t escape(int64_t n) {

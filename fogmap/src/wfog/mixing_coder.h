@@ -12,7 +12,7 @@ namespace wavefog::wfog {
 
 /// What the streams of a tile need to be understood.
 struct TileCoding {
-    int levels = 0;                  ///< 0..kMaxStreamLevels
+    int levels = 0;  ///< 0..kMaxStreamLevels
     Bounds bounds;
     std::int32_t low = 0, high = 0;  ///< no pixel lies outside
     /// Pixels at `low` are marked as such where others are near: maps with much empty air.

@@ -9,11 +9,13 @@
 #include <thread>
 #include <vector>
 
+#include "scratch.h"
+
 namespace wavefog::wfog {
 
-/// Calls body(i) for all i < count on `threads` threads (0: as many as the machine has), each i
-/// once, in any order. False if `stop` was requested before all were done. What `body` throws first
-/// is thrown here, after all threads have ended.
+/// Calls body(i, scratch) for all i < count on `threads` threads (0: as many as the machine has),
+/// each i once, in any order; each thread has one Scratch. False if `stop` was requested before all
+/// were done. What `body` throws first is thrown here, after all threads have ended.
 template <class Body>
 bool for_each_parallel(std::size_t count, int threads, const std::stop_token& stop, Body body) {
     std::atomic<std::size_t> next = 0;
@@ -21,7 +23,9 @@ bool for_each_parallel(std::size_t count, int threads, const std::stop_token& st
     std::mutex failure_mutex;
     const auto work = [&] {
         try {
-            for (std::size_t i; !stop.stop_requested() && (i = next.fetch_add(1)) < count;) body(i);
+            Scratch scratch;
+            for (std::size_t i; !stop.stop_requested() && (i = next.fetch_add(1)) < count;)
+                body(i, scratch);
         } catch (...) {
             next = count;
             const std::lock_guard lock(failure_mutex);

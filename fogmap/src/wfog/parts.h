@@ -3,18 +3,22 @@
 #pragma once
 
 #include <cstddef>
-#include <memory>
+#include <cstdint>
+
+#include "lattice.h"
+#include "scratch.h"
 
 namespace wavefog::wfog {
 
-/// A grid of floats with a margin of 2 on all sides. Values are not set at first.
+/// A grid of floats with a margin of 2 on all sides, in memory of a Scratch. Values are not set at
+/// first; copies share them.
 class Plane {
   public:
     static constexpr int kMargin = 2;
 
     Plane() = default;
-    Plane(int w, int h);
-    float* row(int j) { return values_.get() + std::size_t(j + kMargin) * stride_ + kMargin; }
+    Plane(int w, int h, Scratch& scratch);
+    float* row(int j) { return values_ + std::size_t(j + kMargin) * stride_ + kMargin; }
     const float* row(int j) const { return const_cast<Plane*>(this)->row(j); }
 
     /// Fills the margin with the nearest values inside; of an empty plane, with those of `other`.
@@ -26,7 +30,7 @@ class Plane {
 
   private:
     std::size_t stride_ = 0;
-    std::unique_ptr<float[]> values_;
+    float* values_ = nullptr;
 };
 
 /// A level's grid by the parity of its coordinates; `coarse` is the grid of the level before.
@@ -38,7 +42,7 @@ struct Parts {
 
     Parts() = default;
     /// Of a grid of so many pixels, without `coarse`.
-    Parts(int width, int height);
+    Parts(int width, int height, Scratch& scratch);
     /// Of the three parts that are new.
     std::size_t pixels() const {
         return centres.pixels() + horizontal.pixels() + vertical.pixels();
@@ -53,7 +57,11 @@ void for_each_grid_row(PartsOrConst& parts, int height, Body body) {
              (j % 2 ? parts.centres : parts.horizontal).row(j / 2));
 }
 
-Parts split(const Plane& grid);
-Plane merge(const Parts& parts);
+Parts split(const Plane& grid, Scratch& scratch);
+Plane merge(const Parts& parts, Scratch& scratch);
+
+/// The same of a tile's integers, as floats relative to `low`.
+Parts split(const Tile& tile, std::int32_t low, Scratch& scratch);
+void merge(const Parts& parts, std::int32_t low, Tile& tile);
 
 }  // namespace wavefog::wfog

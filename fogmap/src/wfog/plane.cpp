@@ -4,10 +4,12 @@
 #include <atomic>
 #include <cfenv>
 #include <limits>
+#include <numeric>
 
 #include "mixing_coder.h"
 #include "parallel.h"
 #include "table_coder.h"
+#include "vector_clones.h"
 
 namespace wavefog::wfog {
 
@@ -41,26 +43,11 @@ class StandardFloats {
     std::fenv_t saved_;
 };
 
-struct Place {
-    int x, y, width, height;
-};
-
 Place place_of(size_t tile, const PlaneCoding& coding) {
     const int side = 1 << coding.tile_bits;
     const int x = static_cast<int>(tile % size_t(coding.tiles_x())) * side;
     const int y = static_cast<int>(tile / size_t(coding.tiles_x())) * side;
     return {x, y, std::min(side, coding.width - x), std::min(side, coding.height - y)};
-}
-
-template <class Copy>
-void for_each_row(const Place& place, const PlaneCoding& coding, std::vector<int32_t>& values,
-                  Tile& tile, Copy copy) {
-    for (int j = 0; j < place.height; ++j) {
-        int32_t* const outside =
-            values.data() + size_t(place.y + j) * size_t(coding.width) + size_t(place.x);
-        int32_t* const inside = tile.values.data() + tile.index(0, j);
-        copy(outside, inside, size_t(place.width));
-    }
 }
 
 /// The values of a tile, rising, if their ranks are as good: so far apart that none could stand for
@@ -69,7 +56,12 @@ std::vector<int32_t> values_apart(const Tile& tile, int32_t low, int32_t high, i
     const int64_t range = int64_t(high) - low;
     if (range == 0 || range >= kMaxPackedRange) return {};
     std::vector<std::uint8_t> occurs(size_t(range) + 1);
-    for (const int32_t value : tile.values) occurs[size_t(value - low)] = 1;
+    int64_t left = (range + 1) / 2;
+    for (const int32_t value : tile.values) {
+        if (occurs[size_t(value - low)]) continue;
+        if (left-- == 0) return {};
+        occurs[size_t(value - low)] = 1;
+    }
     std::vector<int32_t> values;
     for (int64_t k = 0; k <= range; ++k) {
         if (!occurs[size_t(k)]) continue;
@@ -77,8 +69,7 @@ std::vector<int32_t> values_apart(const Tile& tile, int32_t low, int32_t high, i
         if (!values.empty() && int64_t(value) - values.back() <= 2 * bound) return {};
         values.push_back(value);
     }
-    const bool few = int64_t(values.size()) * 2 <= range + 1;
-    return few ? values : std::vector<int32_t>();
+    return values;
 }
 
 void to_ranks(const std::vector<int32_t>& table, Tile& tile) {
@@ -118,20 +109,46 @@ bool read_table(Reader& head, int32_t low, std::vector<int32_t>& table) {
     return !head.failed();
 }
 
-std::vector<Bytes> encode_tile(Tile& tile, const PlaneCoding& plane, bool best) {
-    const auto [least, most] = std::minmax_element(tile.values.begin(), tile.values.end());
+struct Extremes {
+    int32_t least, most;
+};
+
+/// Of at least one value.
+WAVEFOG_VECTOR_CLONES
+Extremes extremes_of(const int32_t* values, size_t count) {
+    int32_t least = values[0], most = values[0];
+    for (size_t i = 0; i < count; ++i) {
+        least = values[i] < least ? values[i] : least;
+        most = values[i] > most ? values[i] : most;
+    }
+    return {least, most};
+}
+
+/// What a tile's values are coded with, but the coder.
+struct Measured {
     TileCoding coding;
+    std::vector<int32_t> table;  ///< of ranks, else empty
+    int64_t range = 0;
+};
+
+Measured measure(const Tile& tile, const PlaneCoding& plane) {
+    Measured measured;
+    TileCoding& coding = measured.coding;
+    const Extremes extremes = extremes_of(tile.values.data(), tile.values.size());
     coding.levels = plane.levels;
     coding.bounds = plane.bounds;
-    coding.low = *least;
-    coding.high = *most;
+    coding.low = extremes.least;
+    coding.high = extremes.most;
+    measured.range = int64_t(coding.high) - coding.low;
     const auto lows = std::count(tile.values.begin(), tile.values.end(), coding.low);
     coding.marks_low = size_t(lows) > tile.values.size() / 10;
-    const std::vector<int32_t> table =
-        values_apart(tile, coding.low, coding.high, coding.bounds.finest);
-    const bool packed = !table.empty();
+    measured.table = values_apart(tile, coding.low, coding.high, coding.bounds.finest);
+    return measured;
+}
 
-    const int64_t range = int64_t(coding.high) - coding.low;
+std::vector<Bytes> encode_tile(Tile& tile, const PlaneCoding& plane, bool best, Scratch& scratch) {
+    auto [coding, table, range] = measure(tile, plane);
+    const bool packed = !table.empty();
     // A small tile takes no time either way, and the tables of one weigh more.
     const bool quick = !best && tile.values.size() >= kSmallTile && range <= kTableRange &&
                        coding.bounds.finest <= kTableRange;
@@ -154,15 +171,15 @@ std::vector<Bytes> encode_tile(Tile& tile, const PlaneCoding& plane, bool best) 
     } else {
         head.length(static_cast<std::uint64_t>(range));
     }
-    std::vector<Bytes> streams =
-        coder == TileCoder::tables ? encode_tables(tile, coding) : encode_mixing(tile, coding);
+    std::vector<Bytes> streams = coder == TileCoder::tables ? encode_tables(tile, coding, scratch)
+                                                            : encode_mixing(tile, coding);
     head.append(streams[0]);
     streams[0] = std::move(head.bytes);
-    if (packed) from_ranks(table, tile);
     return streams;
 }
 
-bool decode_tile(std::vector<View> streams, const PlaneCoding& plane, Tile& tile) {
+bool decode_tile(std::vector<View> streams, const PlaneCoding& plane, Tile& tile,
+                 Scratch& scratch) {
     Reader head(streams[0]);
     const unsigned flags = head.byte();
     if (flags > (kPacked | kMarksLow | 3u)) return false;
@@ -191,7 +208,7 @@ bool decode_tile(std::vector<View> streams, const PlaneCoding& plane, Tile& tile
     }
     streams[0] = head.take(head.left());
     if (coder == TileCoder::tables) {
-        if (!decode_tables(tile, coding, streams)) return false;
+        if (!decode_tables(tile, coding, streams, scratch)) return false;
     } else if (coder == TileCoder::mixing) {
         decode_mixing(tile, coding, streams);
         interpolate_levels(tile, plane.levels, static_cast<int>(streams.size()) - 1);
@@ -210,41 +227,67 @@ int default_stream_levels(int width, int height, int tile_bits) {
     return levels;
 }
 
-bool encode_plane(std::vector<int32_t>& values, const PlaneCoding& coding, bool best, int threads,
-                  const std::stop_token& stop, PlaneStreams& streams) {
+PlaneResult encode_plane(const PlaneCoding& coding, bool best, int threads,
+                         const std::stop_token& stop, const TileSource& source,
+                         const TileSink& check, PlaneStreams& streams) {
     streams.assign(size_t(coding.levels) + 1, std::vector<Bytes>(coding.tiles()));
-    return for_each_parallel(coding.tiles(), threads, stop, [&](size_t t) {
-        const StandardFloats standard;
-        const Place place = place_of(t, coding);
-        Tile tile(place.width, place.height);
-        for_each_row(place, coding, values, tile,
-                     [](int32_t* from, int32_t* to, size_t n) { std::copy_n(from, n, to); });
-        std::vector<Bytes> coded = encode_tile(tile, coding, best);
-        for (size_t level = 0; level < coded.size(); ++level)
-            streams[level][t] = std::move(coded[level]);
-        for_each_row(place, coding, values, tile,
-                     [](int32_t* to, int32_t* from, size_t n) { std::copy_n(from, n, to); });
-    });
+    std::atomic<bool> damaged = false;
+    const bool done =
+        for_each_parallel(coding.tiles(), threads, stop, [&](size_t t, Scratch& scratch) {
+            const StandardFloats standard;
+            const Place place = place_of(t, coding);
+            scratch.clear();
+            Tile tile(place.width, place.height, scratch);
+            source(place, tile);
+            std::vector<Bytes> coded = encode_tile(tile, coding, best, scratch);
+            scratch.clear();
+            Tile decoded(place.width, place.height, scratch);
+            if (!decode_tile({coded.begin(), coded.end()}, coding, decoded, scratch) ||
+                !check(t, place, decoded))
+                damaged = true;
+            for (size_t level = 0; level < coded.size(); ++level)
+                streams[level][t] = std::move(coded[level]);
+        });
+    return damaged ? PlaneResult::damaged : done ? PlaneResult::done : PlaneResult::stopped;
 }
 
 PlaneResult decode_plane(const PlaneViews& streams, const PlaneCoding& coding, int threads,
-                         const std::stop_token& stop, std::vector<int32_t>& values) {
+                         const std::stop_token& stop, const TileSink& sink) {
     std::atomic<bool> damaged = false;
-    const bool done = for_each_parallel(coding.tiles(), threads, stop, [&](size_t t) {
-        if (damaged) return;
-        const StandardFloats standard;
-        const Place place = place_of(t, coding);
-        Tile tile(place.width, place.height);
-        std::vector<View> own;
-        for (const std::vector<View>& level : streams) own.push_back(level[t]);
-        if (!decode_tile(std::move(own), coding, tile)) {
-            damaged = true;
-            return;
-        }
-        for_each_row(place, coding, values, tile,
-                     [](int32_t* to, int32_t* from, size_t n) { std::copy_n(from, n, to); });
-    });
+    const bool done =
+        for_each_parallel(coding.tiles(), threads, stop, [&](size_t t, Scratch& scratch) {
+            if (damaged) return;
+            const StandardFloats standard;
+            const Place place = place_of(t, coding);
+            scratch.clear();
+            Tile tile(place.width, place.height, scratch);
+            std::vector<View> own;
+            for (const std::vector<View>& level : streams) own.push_back(level[t]);
+            if (!decode_tile(std::move(own), coding, tile, scratch) || !sink(t, place, tile))
+                damaged = true;
+        });
     return damaged ? PlaneResult::damaged : done ? PlaneResult::done : PlaneResult::stopped;
+}
+
+std::optional<double> estimate_squared_errors(const PlaneCoding& coding, int threads,
+                                              const std::stop_token& stop,
+                                              const TileSource& source) {
+    std::vector<double> sums(coding.tiles());
+    std::atomic<bool> too_wide = coding.bounds.finest > kTableRange;
+    const bool done =
+        for_each_parallel(coding.tiles(), threads, stop, [&](size_t t, Scratch& scratch) {
+            const StandardFloats standard;
+            const Place place = place_of(t, coding);
+            scratch.clear();
+            Tile tile(place.width, place.height, scratch);
+            source(place, tile);
+            const Measured measured = measure(tile, coding);
+            if (measured.range > kTableRange) too_wide = true;
+            if (too_wide || measured.range == 0 || !measured.table.empty()) return;
+            sums[t] = squared_errors(tile, measured.coding, scratch);
+        });
+    if (!done || too_wide) return {};
+    return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
 }  // namespace wavefog::wfog

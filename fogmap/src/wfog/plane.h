@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <stop_token>
 #include <vector>
 
@@ -18,8 +20,8 @@ inline constexpr int kDefaultTileBits = 9;
 struct PlaneCoding {
     int width = 0, height = 0;
     int tile_bits =
-        kDefaultTileBits;    ///< tiles have sides of 2^tile_bits, smaller at the far edges
-    int levels = 0;          ///< of streams, at most tile_bits
+        kDefaultTileBits;  ///< tiles have sides of 2^tile_bits, smaller at the far edges
+    int levels = 0;        ///< of streams, at most tile_bits
     Bounds bounds = {};
 
     int tiles_x() const { return ((width - 1) >> tile_bits) + 1; }
@@ -30,17 +32,40 @@ struct PlaneCoding {
 /// As many levels as leave about 16 pixels along the longer side in the coarsest.
 int default_stream_levels(int width, int height, int tile_bits);
 
+/// Where a tile lies in its plane.
+struct Place {
+    int x, y, width, height;
+    /// Of the first pixel of row `j` of the tile, in a plane so wide.
+    std::size_t index(int j, int plane_width) const {
+        return std::size_t(y + j) * std::size_t(plane_width) + std::size_t(x);
+    }
+};
+
 /// streams[level][tile], tiles row by row. Level 0 of each tile starts with its own head.
 using PlaneStreams = std::vector<std::vector<Bytes>>;
 using PlaneViews = std::vector<std::vector<View>>;
 
-/// `values` (row by row) become what a decoder will see. False if stopped.
-bool encode_plane(std::vector<std::int32_t>& values, const PlaneCoding& coding, bool best,
-                  int threads, const std::stop_token& stop, PlaneStreams& streams);
+/// Sets the values of a tile; several threads may ask at once.
+using TileSource = std::function<void(const Place&, Tile&)>;
+/// Gets a tile as decoded; several threads may tell at once. False: the values are wrong.
+using TileSink = std::function<bool(std::size_t tile, const Place&, const Tile&)>;
+
+enum class PlaneResult { done, damaged, stopped };
+
+/// Encodes tiles, decodes each again from its bytes and shows `check` what came out: `damaged` if
+/// that says no, or the bytes are impossible.
+PlaneResult encode_plane(const PlaneCoding& coding, bool best, int threads,
+                         const std::stop_token& stop, const TileSource& source,
+                         const TileSink& check, PlaneStreams& streams);
 
 /// Decodes as many levels as there are streams (at least 1) and interpolates the others.
-enum class PlaneResult { done, damaged, stopped };
 PlaneResult decode_plane(const PlaneViews& streams, const PlaneCoding& coding, int threads,
-                         const std::stop_token& stop, std::vector<std::int32_t>& values);
+                         const std::stop_token& stop, const TileSink& sink);
+
+/// An estimate of the sum of the squared errors that encoding would leave, without encoding: exact
+/// for tiles that the tables code. Nothing if a tile's range is too wide, or stopped.
+std::optional<double> estimate_squared_errors(const PlaneCoding& coding, int threads,
+                                              const std::stop_token& stop,
+                                              const TileSource& source);
 
 }  // namespace wavefog::wfog

@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "token_stream.h"
+#include "vector_clones.h"
 
 namespace wavefog::wfog {
 
@@ -36,6 +37,7 @@ Row row_of(const Parts& parts, int part, int j) {
     return {w, w + 1, n, s, {n - 1, n + 1, s - 1, s + 1, up, up + 1, down, down + 1}};
 }
 
+WAVEFOG_VECTOR_CLONES
 void predict(const Row& row, const Mixture& mix, const Quantiser& quantiser,
              const float* __restrict before, int width, float* __restrict predicted,
              uint8_t* __restrict contexts) {
@@ -63,6 +65,7 @@ void predict(const Row& row, const Mixture& mix, const Quantiser& quantiser,
     }
 }
 
+WAVEFOG_VECTOR_CLONES
 void quantise(const float* __restrict predicted, int width, const Quantiser& quantiser,
               float* __restrict values, int32_t* __restrict quotients) {
     const float step = quantiser.step, inverse_step = quantiser.inverse_step, most = quantiser.most;
@@ -76,6 +79,7 @@ void quantise(const float* __restrict predicted, int width, const Quantiser& qua
     }
 }
 
+WAVEFOG_VECTOR_CLONES
 void restore(const float* __restrict predicted, const int32_t* __restrict quotients, int width,
              const Quantiser& quantiser, float* __restrict values) {
     const float step = quantiser.step, most = quantiser.most;
@@ -86,6 +90,7 @@ void restore(const float* __restrict predicted, const int32_t* __restrict quotie
     }
 }
 
+WAVEFOG_VECTOR_CLONES
 void remember(const int32_t* __restrict quotients, int width, float* __restrict before) {
     for (int i = 0; i < width; ++i) before[i] = static_cast<float>(std::abs(quotients[i]));
     before[-1] = before[0];
@@ -104,12 +109,30 @@ double total(const Lanes& lanes) {
     return sum;
 }
 
+}  // namespace
+
+WAVEFOG_VECTOR_CLONES
+double squared_distance(const float* a, const float* b, int width) {
+    Lanes sums{};
+    int i = 0;
+    for (; i + kLanes <= width; i += kLanes)
+        for (int lane = 0; lane < kLanes; ++lane) {
+            const float d = a[i + lane] - b[i + lane];
+            sums[size_t(lane)] += d * d;
+        }
+    for (; i < width; ++i) sums[0] += (a[i] - b[i]) * (a[i] - b[i]);
+    return total(sums);
+}
+
+namespace {
+
 /// The moments of truth - y = a (x - y) + t trend over every fourth row of a part, x and y the
 /// means of the pairs: uu, ut, ud, tt, td.
 struct Moments {
     double uu = 0, ut = 0, ud = 0, tt = 0, td = 0;
 };
 
+WAVEFOG_VECTOR_CLONES
 Moments moments_of(const Parts& parts, int part, const Plane& plane) {
     Moments m;
     const int skip = plane.height > 64 ? 4 : 1;

@@ -59,6 +59,9 @@ void restore(const float* predicted, const std::int32_t* quotients, int width,
 /// Magnitudes for the row below.
 void remember(const std::int32_t* quotients, int width, float* before);
 
+/// The sum of the squared differences of two rows.
+double squared_distance(const float* a, const float* b, int width);
+
 /// The weights that suit a level best: least squares on the values in `parts`, whose margins it
 /// sets. Every fourth row will do.
 Weights fit(Parts& parts);

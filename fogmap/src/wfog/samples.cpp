@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <iterator>
 
+#include "vector_clones.h"
+
 namespace wavefog::wfog {
 
 namespace {
@@ -55,6 +57,7 @@ std::optional<std::int32_t> Scale::integer(float value) const {
     return static_cast<std::int32_t>(k < 0 ? k - 0.5 : k + 0.5);
 }
 
+WAVEFOG_VECTOR_CLONES
 void Scale::densities(const std::int32_t* from, std::size_t count, float* to) const {
     if (kind == Kind::ratio) {
         const double by = divisor;
@@ -69,6 +72,7 @@ void Scale::densities(const std::int32_t* from, std::size_t count, float* to) co
     }
 }
 
+WAVEFOG_VECTOR_CLONES
 bool Scale::integers(const float* from, std::size_t count, std::int32_t* to) const {
     if (kind == Kind::float_bits || kind == Kind::table)
         return std::all_of(from, from + count, [&](float value) {
@@ -76,20 +80,42 @@ bool Scale::integers(const float* from, std::size_t count, std::int32_t* to) con
             *to++ = k.value_or(0);
             return k.has_value();
         });
+    std::int32_t largest = 0;  // of the bits without sign, which rise with the magnitude; NaN last
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::int32_t bits = std::bit_cast<std::int32_t>(from[i]) & 0x7fffffff;
+        largest = largest < bits ? bits : largest;
+    }
     // The loops have no branches, so that compilers make vectors of them.
     const auto convert = [&](auto scaled) {
-        std::int32_t failed = 0;
+        if (scaled(double(std::bit_cast<float>(largest))) <= kMostInteger) {
+            for (std::size_t i = 0; i < count; ++i) {
+                const double k = scaled(static_cast<double>(from[i]));
+                to[i] = static_cast<std::int32_t>(k + std::copysign(0.5, k));
+            }
+            return true;
+        }
         for (std::size_t i = 0; i < count; ++i) {
             const double k = scaled(static_cast<double>(from[i]));
             const bool fits = std::fabs(k) <= kMostInteger;  // NaN does not
-            failed |= fits ? 0 : 1;
-            const double rounded = k + std::copysign(0.5, k);
-            to[i] = static_cast<std::int32_t>(fits ? rounded : 0.0);
+            to[i] = static_cast<std::int32_t>(fits ? k + std::copysign(0.5, k) : 0.0);
         }
-        return failed == 0;
+        return false;
     };
     if (kind == Kind::step) return convert([by = step](double value) { return value / by; });
     return convert([by = static_cast<double>(divisor)](double value) { return value * by; });
+}
+
+WAVEFOG_VECTOR_CLONES
+float largest_difference(const float* a, const float* b, std::size_t count) {
+    // The bits of floats that are not negative rise with them, and compare as fast as integers.
+    std::int32_t most = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto difference = static_cast<float>(double(a[i]) - double(b[i]));
+        const std::int32_t bits = std::bit_cast<std::int32_t>(difference) & 0x7fffffff;
+        most = most < bits ? bits : most;
+    }
+    // A difference is at most the float after the one that it was rounded to.
+    return std::bit_cast<float>(most == 0 ? 0 : most + 1);
 }
 
 namespace {
@@ -105,10 +131,7 @@ bool has_all(const Scale& scale, const Grid<float>& map, double tolerance) {
         const std::size_t count = std::min(kBlock, size - at);
         if (!scale.integers(values, count, integers.data())) return false;
         scale.densities(integers.data(), count, back.data());
-        std::int32_t differ = 0;
-        for (std::size_t i = 0; i < count; ++i)
-            differ |= std::fabs(double(back[i]) - double(values[i])) <= tolerance ? 0 : 1;
-        if (differ != 0) return false;
+        if (!(double(largest_difference(back.data(), values, count)) <= tolerance)) return false;
     }
     return true;
 }

@@ -33,6 +33,9 @@ struct Scale {
     bool operator==(const Scale&) const = default;
 };
 
+/// The largest difference of two arrays of densities, at most one bit of a float above it.
+float largest_difference(const float* a, const float* b, std::size_t count);
+
 inline constexpr std::size_t kMaxTable = 1 << 16;
 
 /// A scale for any floats, bit for bit: a table if they are few, else their bits without those that

@@ -22,9 +22,10 @@ using std::uint8_t;
 /// its quotients; `contexts_of(width)` says where the contexts of the next row shall stand.
 template <class ContextsOf, class Code>
 void for_each_row(Parts& parts, const Weights& weights, const Quantiser& quantiser,
-                  ContextsOf contexts_of, Code code) {
+                  Scratch& scratch, ContextsOf contexts_of, Code code) {
     const size_t widest = size_t(parts.coarse.width) + 1;
-    std::vector<float> predicted(widest), magnitudes(widest + 2);
+    const std::span<float> predicted = scratch.take<float>(widest);
+    const std::span<float> magnitudes = scratch.take<float>(widest + 2);
     parts.coarse.extend(parts.coarse);
     for (int part = 0; part < 3; ++part) {
         if (part == 1) parts.centres.extend(parts.coarse);
@@ -62,52 +63,61 @@ int multiples(int count, int coarser) {
     return ((count - 1) >> coarser) + 1;
 }
 
-/// The pixels of a tile whose coordinates are multiples of 2^coarser.
-Plane grid_of(const Tile& tile, int coarser, int32_t low) {
-    Plane grid(multiples(tile.width, coarser), multiples(tile.height, coarser));
-    for (int j = 0; j < grid.height; ++j) {
-        const int32_t* const from = tile.values.data() + tile.index(0, j << coarser);
-        float* const to = grid.row(j);
-        for (int i = 0; i < grid.width; ++i) to[i] = static_cast<float>(from[i << coarser] - low);
-    }
-    return grid;
-}
-
-void write_tile(const Plane& grid, int32_t low, Tile& tile) {
-    for (int j = 0; j < tile.height; ++j) {
-        const float* const from = grid.row(j);
-        int32_t* const to = tile.values.data() + tile.index(0, j);
-        for (int i = 0; i < tile.width; ++i) to[i] = static_cast<int32_t>(from[i]) + low;
-    }
-}
-
 /// Symbols of a level as they come.
-class Symbols {
-  public:
-    explicit Symbols(size_t most)
-        : values_(std::make_unique_for_overwrite<int32_t[]>(most)),
-          contexts_(std::make_unique_for_overwrite<uint8_t[]>(most)) {}
-    int32_t* values() { return values_.get() + count_; }
-    uint8_t* contexts() { return contexts_.get() + count_; }
-    void add(int count) { count_ += size_t(count); }
-    void append_to(Bytes& stream) const {
-        const Bytes bytes = write_symbols({values_.get(), count_}, {contexts_.get(), count_});
-        stream.insert(stream.end(), bytes.begin(), bytes.end());
-    }
+struct Symbols {
+    int32_t* values;
+    uint8_t* contexts;
+    size_t count = 0;
 
-  private:
-    std::unique_ptr<int32_t[]> values_;
-    std::unique_ptr<uint8_t[]> contexts_;
-    size_t count_ = 0;
+    int32_t* next_values() { return values + count; }
+    uint8_t* next_contexts() { return contexts + count; }
+    void append_to(Bytes& stream, Scratch& scratch) const {
+        write_symbols({values, count}, {contexts, count}, scratch, stream);
+    }
 };
 
+/// What to do with each level of a tile: its grid at first, then the parts of each further level,
+/// whose `coarse` is what a decoder has; both leave there what it will have.
+template <class First, class Next>
+void for_each_level(const Tile& tile, const TileCoding& coding, Scratch& scratch, First first,
+                    Next next) {
+    // Weights come from the true pixels, those of the level before included.
+    std::vector<Parts> levels(size_t(coding.levels));
+    for (size_t l = levels.size(); l-- > 0;)
+        levels[l] = l + 1 < levels.size() ? split(levels[l + 1].coarse, scratch)
+                                          : split(tile, coding.low, scratch);
+    Plane grid;
+    if (levels.empty()) {
+        grid = Plane(tile.width, tile.height, scratch);
+        for (int j = 0; j < tile.height; ++j)
+            for (int i = 0; i < tile.width; ++i)
+                grid.row(j)[i] = static_cast<float>(tile.row(j)[i] - coding.low);
+    } else {
+        grid = levels[0].coarse;
+    }
+    std::vector<Weights> weights;
+    for (Parts& parts : levels) weights.push_back(fit(parts));
+    first(grid);
+    for (size_t l = 0; l < levels.size(); ++l) {
+        Parts& parts = levels[l];
+        parts.coarse = grid;
+        next(l, parts, weights[l]);
+        if (l + 1 < levels.size()) grid = merge(parts, scratch);
+    }
+}
+
+Quantiser quantiser_of(const TileCoding& coding, size_t level) {
+    return {static_cast<float>(2 * coding.bounds.at(static_cast<int>(level)) + 1),
+            static_cast<float>(int64_t(coding.high) - coding.low)};
+}
+
 /// Pixels of a level that is missing: the means of those around.
-void interpolate(Parts& parts) {
+void interpolate(Parts& parts, Scratch& scratch) {
     const Weights plain{0, {32, 32}, {0, 0}};
     std::vector<uint8_t> contexts(size_t(parts.coarse.width) + 1);
     const std::vector<int32_t> zeros(contexts.size());
     for_each_row(
-        parts, plain, Quantiser(1, 1e9f), [&](int) { return contexts.data(); },
+        parts, plain, Quantiser(1, 1e9f), scratch, [&](int) { return contexts.data(); },
         [&](float* values, int width, const float* predicted, const uint8_t*) {
             std::copy_n(predicted, width, values);
             return zeros.data();
@@ -116,75 +126,93 @@ void interpolate(Parts& parts) {
 
 }  // namespace
 
-std::vector<Bytes> encode_tables(Tile& tile, const TileCoding& coding) {
-    const auto most = static_cast<float>(int64_t(coding.high) - coding.low);
-    const auto quantiser_of = [&](size_t level) {
-        const int64_t bound = coding.bounds.at(static_cast<int>(level));
-        return Quantiser(static_cast<float>(2 * bound + 1), most);
-    };
-    std::vector<Parts> levels(size_t(coding.levels));
-    // Their weights come from the true pixels of the level before.
-    const Plane whole = grid_of(tile, 0, coding.low);
-    for (size_t l = levels.size(); l-- > 0;)
-        levels[l] = split(l + 1 < levels.size() ? levels[l + 1].coarse : whole);
-
+std::vector<Bytes> encode_tables(Tile& tile, const TileCoding& coding, Scratch& scratch) {
     std::vector<Bytes> streams;
-    Plane grid = grid_of(tile, coding.levels, coding.low);
-    Symbols coarsest(grid.pixels());
-    for_each_coarsest(grid, most, [&](float& value, float predicted) {
-        quantise(&predicted, 1, quantiser_of(0), &value, coarsest.values());
-        *coarsest.contexts() = 0;
-        coarsest.add(1);
-    });
-    coarsest.append_to(streams.emplace_back());
-    for (size_t l = 0; l < levels.size(); ++l) {
-        Parts& parts = levels[l];
-        const Quantiser quantiser = quantiser_of(l + 1);
-        Weights weights = fit(parts);
-        Bytes& stream = streams.emplace_back();
-        for (const int8_t* weight : weights.all()) stream.push_back(static_cast<uint8_t>(*weight));
-        parts.coarse = std::move(grid);
-        Symbols symbols(parts.pixels());
-        for_each_row(
-            parts, weights, quantiser, [&](int) { return symbols.contexts(); },
-            [&](float* values, int width, const float* predicted, const uint8_t*) {
-                int32_t* const quotients = symbols.values();
-                quantise(predicted, width, quantiser, values, quotients);
-                symbols.add(width);
-                return quotients;
+    // Nobody needs the values any more once they are floats.
+    Symbols symbols{tile.values.data(), scratch.take<uint8_t>(tile.values.size()).data()};
+    for_each_level(
+        tile, coding, scratch,
+        [&](Plane& grid) {
+            const Quantiser quantiser = quantiser_of(coding, 0);
+            for_each_coarsest(grid, quantiser.most, [&](float& value, float predicted) {
+                quantise(&predicted, 1, quantiser, &value, symbols.next_values());
+                *symbols.next_contexts() = 0;
+                ++symbols.count;
             });
-        symbols.append_to(stream);
-        grid = merge(parts);
-        parts = {};
-    }
-    write_tile(grid, coding.low, tile);
+            symbols.append_to(streams.emplace_back(), scratch);
+        },
+        [&](size_t level, Parts& parts, Weights& weights) {
+            Bytes& stream = streams.emplace_back();
+            for (const int8_t* weight : weights.all())
+                stream.push_back(static_cast<uint8_t>(*weight));
+            symbols.count = 0;
+            const Quantiser quantiser = quantiser_of(coding, level + 1);
+            for_each_row(
+                parts, weights, quantiser, scratch, [&](int) { return symbols.next_contexts(); },
+                [&](float* values, int width, const float* predicted, const uint8_t*) {
+                    int32_t* const quotients = symbols.next_values();
+                    quantise(predicted, width, quantiser, values, quotients);
+                    symbols.count += size_t(width);
+                    return quotients;
+                });
+            symbols.append_to(stream, scratch);
+        });
     return streams;
 }
 
-bool decode_tables(Tile& tile, const TileCoding& coding, std::span<const View> streams) {
-    const int64_t range = int64_t(coding.high) - coding.low;
-    if (range > kTableRange || coding.bounds.finest > kTableRange) return false;
-    const auto most = static_cast<float>(range);
-    const auto quantiser_of = [&](int level) {
-        return Quantiser(static_cast<float>(2 * coding.bounds.at(level) + 1), most);
-    };
-    Plane grid(multiples(tile.width, coding.levels), multiples(tile.height, coding.levels));
+double squared_errors(const Tile& tile, const TileCoding& coding, Scratch& scratch) {
+    double sum = 0;
+    const size_t widest = size_t(tile.width) + 1;
+    const std::span<float> truth = scratch.take<float>(widest);
+    const std::span<int32_t> quotients = scratch.take<int32_t>(widest);
+    const std::span<uint8_t> contexts = scratch.take<uint8_t>(widest);
+    for_each_level(
+        tile, coding, scratch,
+        [&](Plane& grid) {
+            const Quantiser quantiser = quantiser_of(coding, 0);
+            for_each_coarsest(grid, quantiser.most, [&](float& value, float predicted) {
+                const float before = value;
+                quantise(&predicted, 1, quantiser, &value, quotients.data());
+                sum += squared_distance(&before, &value, 1);
+            });
+        },
+        [&](size_t level, Parts& parts, const Weights& weights) {
+            const Quantiser quantiser = quantiser_of(coding, level + 1);
+            for_each_row(
+                parts, weights, quantiser, scratch, [&](int) { return contexts.data(); },
+                [&](float* values, int width, const float* predicted, const uint8_t*) {
+                    std::copy_n(values, width, truth.data());
+                    quantise(predicted, width, quantiser, values, quotients.data());
+                    sum += squared_distance(truth.data(), values, width);
+                    return quotients.data();
+                });
+        });
+    return sum;
+}
+
+bool decode_tables(Tile& tile, const TileCoding& coding, std::span<const View> streams,
+                   Scratch& scratch) {
+    if (int64_t(coding.high) - coding.low > kTableRange || coding.bounds.finest > kTableRange)
+        return false;
+    Plane grid(multiples(tile.width, coding.levels), multiples(tile.height, coding.levels),
+               scratch);
     {
         SymbolReader reader(streams[0], grid.pixels());
-        for_each_coarsest(grid, most, [&](float& value, float predicted) {
+        const Quantiser quantiser = quantiser_of(coding, 0);
+        for_each_coarsest(grid, quantiser.most, [&](float& value, float predicted) {
             constexpr uint8_t context = 0;
             int32_t q = 0;
             reader.read(&context, 1, &q);
-            restore(&predicted, &q, 1, quantiser_of(0), &value);
+            restore(&predicted, &q, 1, quantiser, &value);
         });
         if (reader.failed()) return false;
     }
-    std::vector<uint8_t> contexts(size_t(tile.width) + 1);
-    std::vector<int32_t> quotients(contexts.size());
+    const std::span<uint8_t> contexts = scratch.take<uint8_t>(size_t(tile.width) + 1);
+    const std::span<int32_t> quotients = scratch.take<int32_t>(size_t(tile.width) + 1);
     for (int l = 0; l < coding.levels; ++l) {
         const int coarser = coding.levels - l - 1;
-        Parts parts(multiples(tile.width, coarser), multiples(tile.height, coarser));
-        parts.coarse = std::move(grid);
+        Parts parts(multiples(tile.width, coarser), multiples(tile.height, coarser), scratch);
+        parts.coarse = grid;
         if (size_t(l) + 1 < streams.size()) {
             Reader head(streams[size_t(l) + 1]);
             Weights weights;
@@ -192,9 +220,9 @@ bool decode_tables(Tile& tile, const TileCoding& coding, std::span<const View> s
             if (head.failed()) return false;
             SymbolReader reader(head.take(head.left()), parts.pixels());
             if (reader.failed()) return false;
-            const Quantiser quantiser = quantiser_of(l + 1);
+            const Quantiser quantiser = quantiser_of(coding, size_t(l) + 1);
             for_each_row(
-                parts, weights, quantiser, [&](int) { return contexts.data(); },
+                parts, weights, quantiser, scratch, [&](int) { return contexts.data(); },
                 [&](float* values, int width, const float* predicted, const uint8_t* of_row) {
                     reader.read(of_row, size_t(width), quotients.data());
                     restore(predicted, quotients.data(), width, quantiser, values);
@@ -202,11 +230,17 @@ bool decode_tables(Tile& tile, const TileCoding& coding, std::span<const View> s
                 });
             if (reader.failed()) return false;
         } else {
-            interpolate(parts);
+            interpolate(parts, scratch);
         }
-        grid = merge(parts);
+        if (coarser == 0)
+            merge(parts, coding.low, tile);
+        else
+            grid = merge(parts, scratch);
     }
-    write_tile(grid, coding.low, tile);
+    if (coding.levels == 0)
+        for (int j = 0; j < tile.height; ++j)
+            for (int i = 0; i < tile.width; ++i)
+                tile.row(j)[i] = static_cast<int32_t>(grid.row(j)[i]) + coding.low;
     return true;
 }
 

@@ -13,8 +13,13 @@ namespace wavefog::wfog {
 /// Wider tiles than this (high - low) go to the mixing coder: here values are floats.
 inline constexpr std::int64_t kTableRange = 1 << 20;
 
-/// As encode_mixing() and decode_mixing(). A decoder returns false for streams that are impossible.
-std::vector<Bytes> encode_tables(Tile& tile, const TileCoding& coding);
-bool decode_tables(Tile& tile, const TileCoding& coding, std::span<const View> streams);
+/// As encode_mixing(), whose tile is of no use afterwards, and decode_mixing(). A decoder returns
+/// false for streams that are impossible.
+std::vector<Bytes> encode_tables(Tile& tile, const TileCoding& coding, Scratch& scratch);
+bool decode_tables(Tile& tile, const TileCoding& coding, std::span<const View> streams,
+                   Scratch& scratch);
+
+/// The sum of the squared errors of all pixels, of a tile within kTableRange, without its bytes.
+double squared_errors(const Tile& tile, const TileCoding& coding, Scratch& scratch);
 
 }  // namespace wavefog::wfog

@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "context_mixer.h"
+#include "vector_clones.h"
 
 namespace wavefog::wfog {
 
@@ -59,7 +60,8 @@ Frequencies frequencies_of(const TokenModel& model) {
     return f;
 }
 
-TokenModel model_of(const std::array<uint32_t, kTokens>& counts, unsigned shift) {
+/// `counts`: of each token.
+TokenModel model_of(const uint32_t* counts, unsigned shift) {
     TokenModel model;
     model.used = true;
     model.shift = static_cast<uint8_t>(shift);
@@ -84,52 +86,118 @@ uint32_t magnitude_of(std::int32_t value) {
     return static_cast<uint32_t>(std::abs(value));
 }
 
-/// How many of each token in each context.
-using Counts = std::array<std::array<uint32_t, kTokens>, kTokenContexts>;
+constexpr size_t kIndices = kTokenContexts * kTokens;
 
-/// Four tables side by side: runs of one token do not wait for each other's sums.
-class Counter {
-  public:
-    void add(size_t place, unsigned context, uint32_t token) {
-        ++parts_[place % parts_.size()][context][token];
+/// An index is context * kTokens + token. Returns whether any magnitude is above kLargest.
+WAVEFOG_VECTOR_CLONES
+bool find_indices(const std::int32_t* __restrict values, const uint8_t* __restrict contexts,
+                  size_t count, std::uint16_t* __restrict indices) {
+    std::int32_t beyond = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const std::int32_t m = std::abs(values[i]);
+        const std::int32_t token = m < std::int32_t(kLargest) ? m : std::int32_t(kLargest);
+        beyond |= m - token;
+        indices[i] = static_cast<std::uint16_t>(contexts[i] * std::int32_t(kTokens) + token);
     }
-    Counts sum() const {
-        Counts counts = parts_[0];
-        for (size_t p = 1; p < parts_.size(); ++p)
-            for (size_t c = 0; c < kTokenContexts; ++c)
-                for (size_t t = 0; t < kTokens; ++t) counts[c][t] += parts_[p][c][t];
-        return counts;
-    }
+    return beyond != 0;
+}
 
-  private:
-    std::array<Counts, 4> parts_{};
-};
+/// How many of each index.
+using Counts = std::array<uint32_t, kIndices>;
 
+Counts count_indices(std::span<const std::uint16_t> indices) {
+    // Four tables side by side: runs of one index do not wait for each other's sums.
+    std::array<Counts, 4> parts{};
+    size_t i = 0;
+    for (; i + 4 <= indices.size(); i += 4)
+        for (size_t p = 0; p < 4; ++p) ++parts[p][indices[i + p]];
+    for (; i < indices.size(); ++i) ++parts[0][indices[i]];
+    Counts counts{};
+    for (size_t k = 0; k < kIndices; ++k)
+        counts[k] = parts[0][k] + parts[1][k] + parts[2][k] + parts[3][k];
+    return counts;
+}
+
+/// Plain bits, low first.
 class BitWriter {
   public:
+    BitWriter(size_t most_bytes, Scratch& scratch)
+        : bytes_(scratch.take<uint8_t>(most_bytes + 8)), at_(bytes_.data()) {}
+
     /// At most 32 bits; those above `count` are 0.
     void put(uint32_t value, unsigned count) {
         buffer_ |= uint64_t(value) << filled_;
         filled_ += count;
-        if (filled_ >= 32) flush();
+        if (filled_ >= 32) {
+            for (int i = 0; i < 4; ++i) at_[i] = static_cast<uint8_t>(buffer_ >> (8 * i) & 0xff);
+            at_ += 4;
+            buffer_ >>= 32;
+            filled_ -= 32;
+        }
     }
-    Bytes finish() {
+    View finish() {
         for (unsigned done = 0; done < filled_; done += 8, buffer_ >>= 8)
-            bytes_.push_back(static_cast<uint8_t>(buffer_ & 0xff));
-        return std::move(bytes_);
+            *at_++ = static_cast<uint8_t>(buffer_ & 0xff);
+        return {bytes_.data(), at_};
     }
 
   private:
-    void flush() {
-        for (int i = 0; i < 4; ++i, buffer_ >>= 8)
-            bytes_.push_back(static_cast<uint8_t>(buffer_ & 0xff));
-        filled_ -= 32;
-    }
-
-    Bytes bytes_;
+    std::span<uint8_t> bytes_;
+    uint8_t* at_;
     uint64_t buffer_ = 0;
     unsigned filled_ = 0;
 };
+
+/// The bits of a magnitude whose token is the last.
+void put_escaped(uint32_t shifted_magnitude, BitWriter& bits) {
+    const uint32_t rest = shifted_magnitude - kLargest + 1;
+    const auto length = static_cast<unsigned>(std::bit_width(rest));
+    bits.put(length, 5);
+    bits.put(rest & ((1u << (length - 1)) - 1), length - 1);
+}
+
+std::int32_t with_sign(uint32_t magnitude, uint32_t negative) {
+    return static_cast<std::int32_t>((magnitude ^ (0 - negative)) + negative);
+}
+uint32_t sign_of(std::int32_t value) {
+    return static_cast<uint32_t>(value) >> 31;
+}
+
+/// Where no context has a shift: signs, and what last tokens leave open.
+void put_signs(std::span<const std::int32_t> values, const std::uint16_t* indices,
+               BitWriter& writer) {
+    BitWriter bits = writer;  // nobody else sees it: it may live in registers
+    constexpr size_t kAtOnce = 8;
+    size_t i = 0;
+    for (; i + kAtOnce <= values.size(); i += kAtOnce) {
+        unsigned some = 0, last = 0;
+        for (size_t k = i; k < i + kAtOnce; ++k) {
+            const unsigned token = indices[k] % kTokens;
+            some |= token;
+            last |= token == kLargest ? 1 : 0;
+        }
+        if (some == 0) continue;
+        if (last != 0) {
+            for (size_t k = i; k < i + kAtOnce; ++k) {
+                if (indices[k] % kTokens == kLargest) put_escaped(magnitude_of(values[k]), bits);
+                bits.put(sign_of(values[k]), values[k] != 0 ? 1 : 0);
+            }
+            continue;
+        }
+        uint32_t signs = 0;
+        unsigned count = 0;
+        for (size_t k = i; k < i + kAtOnce; ++k) {
+            signs |= sign_of(values[k]) << count;
+            count += values[k] != 0 ? 1 : 0;
+        }
+        bits.put(signs, count);
+    }
+    for (; i < values.size(); ++i) {
+        if (indices[i] % kTokens == kLargest) put_escaped(magnitude_of(values[i]), bits);
+        bits.put(sign_of(values[i]), values[i] != 0 ? 1 : 0);
+    }
+    writer = bits;
+}
 
 /// How a state takes in a token: x / frequency * kScale + start + x % frequency without a division
 /// (F. Giesen, "Interleaved entropy coders", 2014).
@@ -196,86 +264,83 @@ uint64_t eight_bytes_at(const uint8_t* bytes) {
 
 }  // namespace
 
-Bytes write_symbols(std::span<const std::int32_t> values, std::span<const uint8_t> contexts) {
+void write_symbols(std::span<const std::int32_t> values, std::span<const uint8_t> contexts,
+                   Scratch& scratch, Bytes& stream) {
+    const Scratch::Mark before = scratch.mark();
     const size_t count = values.size();
-    Counter plain;
-    std::array<uint64_t, kTokenContexts> sums{}, seen{};
-    for (size_t i = 0; i < count; ++i) {
-        const uint32_t m = magnitude_of(values[i]);
-        plain.add(i, contexts[i], std::min(m, uint32_t(kLargest)));
-        if (m > kLargest) sums[contexts[i]] += m - kLargest;
-    }
-    Counts counts = plain.sum();
+    const std::span<std::uint16_t> indices = scratch.take<std::uint16_t>(count);
+    const bool beyond = find_indices(values.data(), contexts.data(), count, indices.data());
+    Counts counts = count_indices(indices);
     // How large the magnitudes of each context are decides its shift.
+    std::array<uint64_t, kTokenContexts> sums{}, seen{};
+    if (beyond)
+        for (size_t i = 0; i < count; ++i) {
+            const uint32_t m = magnitude_of(values[i]);
+            if (m > kLargest) sums[contexts[i]] += m - kLargest;
+        }
     std::array<unsigned, kTokenContexts> shifts{};
     bool shifted = false;
     for (size_t c = 0; c < kTokenContexts; ++c) {
         for (size_t t = 0; t < kTokens; ++t) {
-            seen[c] += counts[c][t];
-            sums[c] += uint64_t(counts[c][t]) * t;
+            seen[c] += counts[c * kTokens + t];
+            sums[c] += uint64_t(counts[c * kTokens + t]) * t;
         }
         while (shifts[c] < kMaxShift && (sums[c] >> shifts[c]) > 5 * seen[c]) ++shifts[c];
         shifted = shifted || shifts[c] > 0;
     }
+    // Signs, and at most 63 bits with what last tokens leave open.
+    BitWriter bits(beyond ? 8 * count : count / 8, scratch);
     if (shifted) {
-        Counter again;
-        for (size_t i = 0; i < count; ++i)
-            again.add(i, contexts[i],
-                      std::min(magnitude_of(values[i]) >> shifts[contexts[i]], uint32_t(kLargest)));
-        counts = again.sum();
-    }
-
-    const auto indices = std::make_unique_for_overwrite<std::uint16_t[]>(count);
-    BitWriter bits;
-    for (size_t i = 0; i < count; ++i) {
-        const unsigned c = contexts[i], shift = shifts[c];
-        const uint32_t m = magnitude_of(values[i]);
-        const uint32_t token = std::min(m >> shift, uint32_t(kLargest));
-        indices[i] = static_cast<std::uint16_t>(c * kTokens + token);
-        if (token == kLargest) {
-            const uint32_t rest = (m >> shift) - kLargest + 1;
-            const auto length = static_cast<unsigned>(std::bit_width(rest));
-            bits.put(length, 5);
-            bits.put(rest & ((1u << (length - 1)) - 1), length - 1);
+        for (size_t i = 0; i < count; ++i) {
+            const unsigned c = contexts[i], shift = shifts[c];
+            const uint32_t m = magnitude_of(values[i]);
+            const uint32_t token = std::min(m >> shift, uint32_t(kLargest));
+            indices[i] = static_cast<std::uint16_t>(c * kTokens + token);
+            if (token == kLargest) put_escaped(m >> shift, bits);
+            bits.put(m & ((1u << shift) - 1), shift);
+            bits.put(sign_of(values[i]), m > 0 ? 1 : 0);
         }
-        if (shifted) bits.put(m & ((1u << shift) - 1), shift);
-        bits.put(values[i] < 0 ? 1 : 0, m > 0 ? 1 : 0);
+        counts = count_indices(indices);
+    } else {
+        put_signs(values, indices.data(), bits);
     }
 
-    Writer stream;
+    Writer head;
     uint32_t used = 0;
     for (size_t c = 0; c < kTokenContexts; ++c) used |= seen[c] > 0 ? 1u << c : 0u;
-    stream.length(used);
-    std::array<Step, kTokenContexts * kTokens> steps;
+    head.length(used);
+    std::array<Step, kIndices> steps;
     for (size_t c = 0; c < kTokenContexts; ++c) {
         if (seen[c] == 0) continue;
-        const TokenModel model = model_of(counts[c], shifts[c]);
+        const TokenModel model = model_of(&counts[c * kTokens], shifts[c]);
         const Frequencies f = frequencies_of(model);
         for (size_t t = 0; t < kTokens; ++t)
             steps[c * kTokens + t] = step_of(f.frequency[t], f.start[t]);
-        stream.byte(model.shift);
-        for (const uint8_t stop : model.stops) stream.byte(stop);
+        head.byte(model.shift);
+        for (const uint8_t stop : model.stops) head.byte(stop);
     }
 
     const size_t state_count = states_for(count);
     std::array<uint32_t, 4> states;
     states.fill(kLowestState);
-    const auto words = std::make_unique_for_overwrite<std::uint16_t[]>(count + 1);
-    std::uint16_t* const end = words.get() + count + 1;
+    const std::span<std::uint16_t> words = scratch.take<std::uint16_t>(count + 1);
+    std::uint16_t* const end = words.data() + words.size();
     const std::uint16_t* const begin =
-        take_in_all(indices.get(), count, steps.data(), states, state_count, end);
-    stream.length(size_t(end - begin));
-    for (size_t s = 0; s < state_count; ++s) stream.fixed(states[s], 4);
-    Bytes& bytes = stream.bytes;
-    const size_t at = bytes.size();
-    bytes.resize(at + 2 * size_t(end - begin));
-    uint8_t* to = bytes.data() + at;
+        take_in_all(indices.data(), count, steps.data(), states, state_count, end);
+    head.length(size_t(end - begin));
+    for (size_t s = 0; s < state_count; ++s) head.fixed(states[s], 4);
+    const View plain = bits.finish();
+    stream.reserve(stream.size() + head.bytes.size() + 2 * size_t(end - begin) + plain.size());
+    stream.insert(stream.end(), head.bytes.begin(), head.bytes.end());
+    const size_t at = stream.size();
+    stream.resize(at + 2 * size_t(end - begin));
+    uint8_t* to = stream.data() + at;
     for (const std::uint16_t* word = begin; word != end; ++word, to += 2) {
         to[0] = static_cast<uint8_t>(*word & 0xff);
         to[1] = static_cast<uint8_t>(*word >> 8);
     }
-    stream.append(bits.finish());
-    return std::move(stream.bytes);
+    stream.insert(stream.end(), plain.begin(), plain.end());
+    scratch.release(before);
 }
 
 SymbolReader::SymbolReader(View stream, size_t count) : state_count_(states_for(count)) {
@@ -330,7 +395,7 @@ void SymbolReader::fill_buffer() {
     }
 }
 
-uint32_t SymbolReader::bits(unsigned count) {
+inline uint32_t SymbolReader::bits(unsigned count) {
     if (buffered_ < count) fill_buffer();
     const auto value = static_cast<uint32_t>(buffer_ & ((uint64_t(1) << count) - 1));
     buffer_ >>= count;
@@ -392,9 +457,10 @@ uint32_t SymbolReader::escaped(unsigned token) {
 }
 
 template <bool kShifts>
-void SymbolReader::read_values(const uint8_t* contexts, size_t count, std::int32_t* values) {
+void SymbolReader::read_values(const uint8_t* contexts, const uint8_t* tokens, size_t count,
+                               std::int32_t* values) {
     for (size_t i = 0; i < count; ++i) {
-        const unsigned token = tokens_[i];
+        const unsigned token = tokens[i];
         uint32_t m = token;
         if (token >= kLargest) [[unlikely]]
             m = escaped(token);
@@ -403,14 +469,40 @@ void SymbolReader::read_values(const uint8_t* contexts, size_t count, std::int32
             m = m << shift | bits(shift);
         }
         m &= 0x3fffffff;
-        // Signs are as good as random: no branches on them.
-        if (buffered_ == 0) fill_buffer();
-        const unsigned has_sign = m > 0 ? 1 : 0;
-        const auto negative = static_cast<uint32_t>(buffer_) & has_sign;
-        buffer_ >>= has_sign;
-        buffered_ -= has_sign;
-        values[i] = static_cast<std::int32_t>((m ^ (0 - negative)) + negative);
+        values[i] = with_sign(m, bits(m > 0 ? 1 : 0));
     }
+}
+
+/// Without shifts, eight at once: signs are as good as random, so there are no branches on them.
+void SymbolReader::read_unshifted(const uint8_t* contexts, size_t count, std::int32_t* values) {
+    constexpr size_t kAtOnce = 8;
+    size_t i = 0;
+    for (; i + kAtOnce <= count; i += kAtOnce) {
+        const uint8_t* const tokens = &tokens_[i];
+        const uint64_t all = eight_bytes_at(tokens);
+        if (all == 0) {
+            std::fill_n(values + i, kAtOnce, 0);
+            continue;
+        }
+        // A byte of 15 or more has bit 4 after 1 is added.
+        if (((all + 0x0101010101010101u) & 0x1010101010101010u) != 0) {
+            read_values<false>(contexts + i, tokens, kAtOnce, values + i);
+            continue;
+        }
+        if (buffered_ < kAtOnce) fill_buffer();
+        uint64_t signs = buffer_;
+        unsigned used = 0;
+        for (size_t k = 0; k < kAtOnce; ++k) {
+            const uint32_t m = tokens[k];
+            const unsigned has_sign = m > 0 ? 1 : 0;
+            values[i + k] = with_sign(m, static_cast<uint32_t>(signs) & has_sign);
+            signs >>= has_sign;
+            used += has_sign;
+        }
+        buffer_ = signs;
+        buffered_ -= used;
+    }
+    read_values<false>(contexts + i, tokens_.data() + i, count - i, values + i);
 }
 
 void SymbolReader::read(const uint8_t* contexts, size_t count, std::int32_t* values) {
@@ -421,9 +513,9 @@ void SymbolReader::read(const uint8_t* contexts, size_t count, std::int32_t* val
     if (tokens_.size() < count) tokens_.resize(count);
     read_tokens(contexts, count);
     if (shifts_)
-        read_values<true>(contexts, count, values);
+        read_values<true>(contexts, tokens_.data(), count, values);
     else
-        read_values<false>(contexts, count, values);
+        read_unshifted(contexts, count, values);
 }
 
 }  // namespace wavefog::wfog

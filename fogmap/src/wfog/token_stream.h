@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bytes.h"
+#include "scratch.h"
 
 namespace wavefog::wfog {
 
@@ -24,8 +25,9 @@ struct TokenModel {
     std::array<std::uint8_t, 4> stops{};
 };
 
-/// Codes signed integers, each in a context below kTokenContexts.
-Bytes write_symbols(std::span<const std::int32_t> values, std::span<const std::uint8_t> contexts);
+/// Appends the code of signed integers, each in a context below kTokenContexts.
+void write_symbols(std::span<const std::int32_t> values, std::span<const std::uint8_t> contexts,
+                   Scratch& scratch, Bytes& stream);
 
 /// Reads symbols back in any number of calls.
 class SymbolReader {
@@ -48,7 +50,9 @@ class SymbolReader {
     };
     void read_tokens(const std::uint8_t* contexts, std::size_t count);
     template <bool kShifts>
-    void read_values(const std::uint8_t* contexts, std::size_t count, std::int32_t* values);
+    void read_values(const std::uint8_t* contexts, const std::uint8_t* tokens, std::size_t count,
+                     std::int32_t* values);
+    void read_unshifted(const std::uint8_t* contexts, std::size_t count, std::int32_t* values);
     std::uint32_t escaped(unsigned token);
     void fill_buffer();
     std::uint32_t bits(unsigned count);

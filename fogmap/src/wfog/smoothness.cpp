@@ -1,0 +1,102 @@
+#include "smoothness.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "vector_clones.h"
+
+namespace wavefog::wfog {
+
+namespace {
+
+using std::int32_t;
+using std::int64_t;
+using std::size_t;
+
+/// How many pixels of a row, its ends left out, the mean of the four around them foretells within
+/// the bound. `Int` holds four times any integer and the bound.
+template <class Int>
+[[gnu::always_inline]] inline int32_t count_foretold(const int32_t* above, const int32_t* here,
+                                                     const int32_t* below, size_t width,
+                                                     Int bound) {
+    int32_t count = 0;
+    for (size_t i = 1; i + 1 < width; ++i) {
+        const Int around = Int(here[i - 1]) + here[i + 1] + above[i] + below[i];
+        const Int off = 4 * Int(here[i]) - around;
+        count += (off <= 4 * bound ? 1 : 0) & (off >= -4 * bound ? 1 : 0);
+    }
+    return count;
+}
+
+WAVEFOG_VECTOR_CLONES
+int32_t count_narrow(const int32_t* above, const int32_t* here, const int32_t* below, size_t width,
+                     int32_t bound) {
+    return count_foretold(above, here, below, width, bound);
+}
+
+/// The sum of the squared distances of integers to the nearest of low, low + step, ...
+WAVEFOG_VECTOR_CLONES
+double squared_remainders(const int32_t* integers, size_t count, double low, double step) {
+    constexpr size_t kLanes = 4;
+    std::array<double, kLanes> sums{};
+    const double inverse = 1 / step;
+    const auto add = [&](size_t i, size_t lane) {
+        const double above = static_cast<double>(integers[i]) - low;
+        // The nearest multiple: halves do not occur, as steps are odd.
+        const double nearest =
+            static_cast<double>(static_cast<int32_t>(above * inverse + 0.5)) * step;
+        const double off = above - nearest;
+        sums[lane] += off * off;
+    };
+    size_t i = 0;
+    for (; i + kLanes <= count; i += kLanes)
+        for (size_t lane = 0; lane < kLanes; ++lane) add(i + lane, lane);
+    for (; i < count; ++i) add(i, 0);
+    return (sums[0] + sums[1]) + (sums[2] + sums[3]);
+}
+
+}  // namespace
+
+double share_foretold(const Grid<float>& map, const Scale& scale, int64_t bound) {
+    const auto width = size_t(map.cols()), rows = size_t(map.rows());
+    if (width < 3 || rows < 3) return 0;
+    const int64_t largest = std::max<int64_t>(
+        std::abs(int64_t(scale.integer(map.abs().maxCoeff()).value_or(0))), bound);
+    const bool narrow = largest < (1 << 27);
+    std::array<std::vector<int32_t>, 3> around;
+    for (std::vector<int32_t>& row : around) row.resize(width);
+    const auto read = [&](size_t row, std::vector<int32_t>& to) {
+        scale.integers(map.data() + row * width, width, to.data());
+    };
+    auto& [above, here, below] = around;
+    read(0, above);
+    size_t foretold = 0;
+    for (size_t row = 1; row + 2 <= rows; row += 2) {
+        read(row, here);
+        read(row + 1, below);
+        const int32_t count =
+            narrow ? count_narrow(above.data(), here.data(), below.data(), width,
+                                  static_cast<int32_t>(bound))
+                   : count_foretold<int64_t>(above.data(), here.data(), below.data(), width, bound);
+        foretold += static_cast<size_t>(count);
+        std::swap(above, below);
+    }
+    return static_cast<double>(foretold) / static_cast<double>((rows - 1) / 2 * (width - 2));
+}
+
+double prequantised_rms(const Grid<float>& map, const Scale& scale, int64_t bound) {
+    const auto width = size_t(map.cols());
+    std::vector<int32_t> row(width);
+    const auto low = static_cast<double>(scale.integer(map.minCoeff()).value_or(0));
+    double squares = 0;
+    for (Eigen::Index j = 0; j < map.rows(); ++j) {
+        scale.integers(map.data() + size_t(j) * width, width, row.data());
+        squares += squared_remainders(row.data(), width, low, static_cast<double>(2 * bound + 1));
+    }
+    return std::sqrt(squares / static_cast<double>(map.size())) * double(scale.density(1));
+}
+
+}  // namespace wavefog::wfog

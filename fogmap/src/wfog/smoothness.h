@@ -1,0 +1,19 @@
+// How a map lends itself to bounds of their own for coarse levels.
+#pragma once
+
+#include <cstdint>
+
+#include "samples.h"
+#include "wavefog/wavelet/grid.h"
+
+namespace wavefog::wfog {
+
+/// The share of pixels that follow within `bound` from the mean of the four around them; of those
+/// inside the map, of every other row.
+double share_foretold(const Grid<float>& map, const Scale& scale, std::int64_t bound);
+
+/// RMS error, in densities, of every integer moved to the nearest of those that are 2 bound + 1
+/// apart, beginning with the least.
+double prequantised_rms(const Grid<float>& map, const Scale& scale, std::int64_t bound);
+
+}  // namespace wavefog::wfog

@@ -1,0 +1,66 @@
+#include "tile_errors.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+#include "vector_clones.h"
+
+namespace wavefog::wfog {
+
+using std::size_t;
+
+void Errors::add(const Errors& other) {
+    most = std::max(most, other.most);
+    squares += other.squares;
+    negative = negative || other.negative;
+}
+
+WAVEFOG_VECTOR_CLONES
+Errors errors_of(const float* original, const float* decoded, size_t count) {
+    int negative = 0;
+    for (size_t i = 0; i < count; ++i)
+        negative |= (original[i] >= 0 ? 1 : 0) & (decoded[i] < 0 ? 1 : 0);
+    // Sums of every eighth pixel, side by side: an order that vectors can keep.
+    constexpr size_t kLanes = 8;
+    std::array<double, kLanes> squares{};
+    const auto add = [&](size_t i, size_t lane) {
+        const double error = double(original[i]) - double(decoded[i]);
+        squares[lane] += error * error;
+    };
+    size_t i = 0;
+    for (; i + kLanes <= count; i += kLanes)
+        for (size_t lane = 0; lane < kLanes; ++lane) add(i + lane, lane);
+    for (; i < count; ++i) add(i, 0);
+    return {double(largest_difference(original, decoded, count)),
+            std::accumulate(squares.begin(), squares.end(), 0.0), negative != 0};
+}
+
+bool TileErrors::add(size_t tile, const Place& place, const Tile& values) {
+    const auto width = size_t(place.width);
+    std::vector<std::int32_t> integers(exact_ ? width : 0);
+    std::vector<float> densities(width);
+    Errors errors;
+    for (int j = 0; j < place.height; ++j) {
+        const size_t at = place.index(j, static_cast<int>(map_.cols()));
+        const float* const original = map_.data() + at;
+        if (exact_ && !(scale_.integers(original, width, integers.data()) &&
+                        std::equal(integers.begin(), integers.end(), values.row(j))))
+            return false;
+        float* const row = decoded_ ? decoded_->data() + at : densities.data();
+        scale_.densities(values.row(j), width, row);
+        errors.add(errors_of(original, row, width));
+    }
+    errors_[tile] = errors;
+    return true;
+}
+
+Errors TileErrors::sum() const {
+    Errors sum;
+    for (const Errors& each : errors_) sum.add(each);
+    return sum;
+}
+
+}  // namespace wavefog::wfog
