@@ -178,10 +178,10 @@ Command add_apply(CLI::App& root) {
         *app, "--fog-color", options->fog_colour,
         [](const std::string& text) { return parse_numbers(text, 3); }, "R,G,B",
         "The fog's linear colour (the scene's, or 0.8,0.82,0.85)");
-    add_parsed(
-        *app, "--method", options->method, parse_method, "M",
-        "exact | radial | paper | paper-scaling | march:N | froxel:XxYxZ | homogeneous | reference "
-        "(the scene's, or exact)");
+    add_parsed(*app, "--method", options->method, parse_method, "M",
+               "exact | radial[:AxR][:step] | paper | paper-scaling | march:N | froxel:XxYxZ | "
+               "homogeneous | reference; M@WxH in a reduced picture, looking at depth, "
+               "M@WxH:average at its mean (the scene's, or exact)");
     add_parsed(
         *app, "--mu", options->mu,
         [](const std::string& text) { return parse_number_in(text, 0, 1); }, "MU",

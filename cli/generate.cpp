@@ -205,6 +205,8 @@ Result<void> generate(const GenerateOptions& options) {
     Result<Grid<float>> map = options.noise() ? noise_map(options, facts) : fog_map(options, facts);
     if (!map) return tl::unexpected(map.error());
     facts["mean"] = map->cast<double>().mean();
+    if (map->maxCoeff() == 0)
+        warn(fmt::format("{}: there is no fog here, every pixel is 0", options.model));
     Image picture{options.size.width, options.size.height, 1, {}};
     picture.pixels.assign(map->data(), map->data() + map->size());
     *map = {};

@@ -12,7 +12,7 @@
 namespace wavefog::cli {
 
 Progress::Progress(std::string label, std::size_t count)
-    : label_(std::move(label)), count_(count), visible_(isatty(STDERR_FILENO) == 1) {}
+    : label_(std::move(label)), count_(count), terminal_(isatty(STDERR_FILENO) == 1) {}
 
 Progress::~Progress() {
     if (shown_) fmt::print(stderr, "\r\033[K");
@@ -20,10 +20,11 @@ Progress::~Progress() {
 
 void Progress::update(std::size_t done) {
     const auto now = std::chrono::steady_clock::now();
-    if (!visible_ || now - last_ < std::chrono::milliseconds(100)) return;
+    if (now - last_ < std::chrono::milliseconds(terminal_ ? 100 : 10000)) return;
     last_ = now;
-    shown_ = true;
-    fmt::print(stderr, "\r{}  {} %", label_, 100 * done / count_);
+    shown_ = terminal_;
+    const std::string text = fmt::format("{}  {} %", label_, 100 * done / count_);
+    fmt::print(stderr, "{}", terminal_ ? "\r" + text : text + "\n");
     std::fflush(stderr);
 }
 

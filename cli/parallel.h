@@ -8,7 +8,8 @@
 
 namespace wavefog::cli {
 
-/// Keeps "label  42 %" on a terminal's last line; silent when stderr goes to a file.
+/// Keeps "label  42 %" on a terminal's last line; writes it every ten seconds where stderr goes
+/// elsewhere, for the logs of render queues.
 class Progress {
   public:
     Progress(std::string label, std::size_t count);
@@ -20,7 +21,7 @@ class Progress {
   private:
     std::string label_;
     std::size_t count_;
-    bool visible_;
+    bool terminal_;
     bool shown_ = false;
     std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <string_view>
 
 #include "options.h"
@@ -10,6 +11,8 @@
 namespace wavefog::cli {
 namespace {
 
+// Fourth powers of lengths must stay below float32's largest number.
+constexpr double kFarthest = 1e9;
 constexpr std::array<const char*, 6> columns = {"ox", "oy", "oz", "px", "py", "pz"};
 
 std::string_view trimmed(std::string_view text) {
@@ -61,6 +64,11 @@ Result<RayTable> read_rays(std::istream& input, const std::string& name) {
             if (!value)
                 return data_error(fmt::format("{}: line {}, column {} ({}): {}", name, number,
                                               c + 1, columns[c], value.error().message));
+            if (std::abs(*value) > kFarthest)
+                return data_error(
+                    fmt::format("{}: line {}, column {} ({}): {} m is farther than "
+                                "float32 methods reach; stay within {} m",
+                                name, number, c + 1, columns[c], *value, kFarthest));
             values[c] = *value;
         }
         table.rays.push_back({{values[0], values[1], values[2]},

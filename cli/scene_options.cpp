@@ -26,10 +26,10 @@ void add_scene_options(CLI::App& app, SceneOptions& options) {
     app.add_option("--camera", options.camera,
                    "One of the scene's \"cameras\" (its main \"camera\")")
         ->type_name("NAME");
-    add_parsed(
-        app, "--method", options.method, parse_method, "M",
-        "exact | radial | paper | paper-scaling | march:N | froxel:XxYxZ | homogeneous | reference "
-        "(the scene's)");
+    add_parsed(app, "--method", options.method, parse_method, "M",
+               "exact | radial[:AxR][:step] | paper | paper-scaling | march:N | froxel:XxYxZ | "
+               "homogeneous | reference; M@WxH in a reduced picture, looking at depth, "
+               "M@WxH:average at its mean, M@vertices at the scene's vertices (the scene's)");
     add_parsed(
         app, "--mu", options.mu,
         [](const std::string& text) { return parse_number_in(text, 0, 1); }, "MU",

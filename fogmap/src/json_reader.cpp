@@ -62,6 +62,16 @@ Result<json> parse_json(const std::string& text, const std::string& file) {
         const Place place = place_of(text, error.byte > 0 ? error.byte - 1 : 0);
         return data_error(fmt::format("{}: line {}, column {}: {}; correct the JSON", file,
                                       place.line, place.column, reason(error.what())));
+    } catch (const json::out_of_range& error) {
+        // "number overflow parsing '1e400'": where, nlohmann does not say.
+        const std::string what = reason(error.what());
+        const auto quote = what.find('\''), end = what.rfind('\'');
+        const std::string number =
+            quote < end ? what.substr(quote + 1, end - quote - 1) : std::string();
+        const Place place = place_of(text, std::min(text.find(number), text.size()));
+        return data_error(
+            fmt::format("{}: line {}, column {}: {} is too large a number; correct it", file,
+                        place.line, place.column, number));
     } catch (const json::exception& error) {
         return data_error(fmt::format("{}: {}; correct the JSON", file, reason(error.what())));
     }

@@ -43,6 +43,12 @@ Result<void> SequencePlayer::show(double seconds, Fog& fog) {
     if (!second) return tl::unexpected(second.error());
     // key() may have moved what it kept.
     const auto again = key(a, b);
+    const Decomposition<float>&from = **again, &to = **second;
+    if (from.width != to.width || from.height != to.height)
+        return data_error(
+            fmt::format("{}: [{}] ({}) has {}x{} pixels, [{}] ({}) {}x{}; resize one of them",
+                        sequence_.place, a, keys[a].image.string(), from.width, from.height, b,
+                        keys[b].image.string(), to.width, to.height));
     if (auto ok = interpolate(**again, **second, share, fog.decomposition); !ok)
         return data_error(fmt::format("{}: [{}] ({}) and [{}] ({}): {}", sequence_.place, a,
                                       keys[a].image.string(), b, keys[b].image.string(),

@@ -120,6 +120,19 @@ TEST_CASE("several fogs add up, and a picture is a fog too") {
     CHECK(split_row(lines_of(picture.out)[0]).second.optical_depth > 0);
 }
 
+TEST_CASE("rays farther than float32 methods reach are refused with their place") {
+    const Workspace work;
+    work.write_text("scene.json", R"({"camera": {"eye": [0, 1, 0], "target": [1, 1, 0]}, "fog": [
+        {"model": "halfspace", "normal": [0, 1, 0], "point": [0, 2, 0], "extinction": 0.5}]})");
+    const RunResult far = work.run({"probe", "scene.json", "--rays", "-", "-o", "-"},
+                                   "0,0,0,4,0,0\n0,0,0,0,0,-1e20\n");
+    CHECK(far.status == 1);
+    CHECK(far.err.find("line 2, column 6 (pz): -1e+20 m is farther") != std::string::npos);
+    const RunResult near =
+        work.run({"probe", "scene.json", "--rays", "-", "-o", "-"}, "0,0,0,1e9,0,0\n");
+    CHECK(near.status == 0);
+}
+
 TEST_CASE("fogs given by formulas add to maps, and every method has them in closed form") {
     const Workspace work;
     work.write_floats("map.tif", 2, 2, {1, 1, 1, 1});

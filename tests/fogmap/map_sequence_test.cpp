@@ -74,5 +74,5 @@ TEST_CASE("sequences: optical depth is linear between two keys, and a frame know
     const auto failed = SequencePlayer(odd->sequences[0]).show(1.5, fog);
     REQUIRE(!failed.has_value());
     CHECK(failed.error().message.find("fog[1].images: [0] (") != std::string::npos);
-    CHECK(failed.error().message.find("differ in size") != std::string::npos);
+    CHECK(failed.error().message.find("resize one of them") != std::string::npos);
 }

@@ -296,6 +296,8 @@ TEST_CASE("models: scene files hold them beside maps, and mistakes name the key"
             {R"({"model": "halfspace", "normal": [0, 1, 0], "point": [0, 0, 0], "extinction": -1})",
              "fog[0]: extinction is -1"},
             {R"({"model": "layers", "profile": "ramp", "points": []})", "fog[0]: points has 0"},
+            {R"({"model": "layers", "profile": "depth", "surface": 1e400, "gradient": 1})",
+             "1e400 is too large a number"},
             {R"({"model": "layers", "profile": "slope"})", "fog[0].profile: is \"slope\""},
             {R"({"model": "layers", "profile": "depth", "surface": 0, "gradient": 1, "base": 2})",
              "fog[0].base: unknown key"},
