@@ -296,3 +296,13 @@ TEST_CASE("generate: what makes no sense is refused, named, and leaves no file")
     refused({"clear.json", "--height", "1"}, 1, "has no \"fog\"");
     refused({"scene.json", "--height", "inf"}, 2, "--height");
 }
+
+TEST_CASE("generate: a map without fog is written, with a warning") {
+    const Workspace work;
+    work.write_text("scene.json", R"({"camera": {"eye": [0, 1, 0], "target": [0, 1, -1]}, "fog": [
+        {"model": "halfspace", "normal": [0, 1, 0], "point": [0, 4, 0], "extinction": 0.05}]})");
+    const RunResult run = work.run({"generate", "scene.json", "-o", "map.exr", "--height", "50",
+                                    "--size", "8x8", "--rect", "-8,-8,8,8"});
+    CHECK(run.status == 0);
+    CHECK(run.err.find("scene.json: there is no fog here, every pixel is 0") != std::string::npos);
+}
