@@ -75,16 +75,23 @@ Facts rewritten(const fs::path& input, const FitOptions& options, const FitChoic
     if (json.contains("meshes"))
         for (Facts& mesh : json["meshes"]) rebase(mesh["file"]);
     std::size_t map = 0;
+    Facts kept = Facts::array();
     for (Facts& fog : json["fog"]) {
-        if (fog.value("model", "wavelet") != "wavelet") continue;
-        for (const Formula& formula : chosen.maps.formulas)
-            if (formula.fog == map) fog = formula_json(formula.model);
-        for (std::size_t i = 0; i < chosen.maps.fogs.size(); ++i) {
-            if (chosen.maps.which[i] != map) continue;
-            fog = {{"model", "wavelet"}, {"file", fog_name(options.output, map).filename()}};
+        bool none = false;
+        if (fog.value("model", "wavelet") == "wavelet") {
+            for (const Formula& formula : chosen.maps.formulas) {
+                if (formula.fog != map) continue;
+                none = formula.name == kNoFog;
+                fog = formula_json(formula.model);
+            }
+            for (const std::size_t which : chosen.maps.which)
+                if (which == map)
+                    fog = {{"model", "wavelet"}, {"file", fog_name(options.output, map).filename()}};
+            ++map;
         }
-        ++map;
+        if (!none) kept.push_back(std::move(fog));
     }
+    json["fog"] = std::move(kept);
     json["method"] = {{"name", chosen.method.name()}, {"mu", chosen.method.mu}};
     return json;
 }
@@ -100,6 +107,8 @@ Facts fog_rows(const Scene& scene, const FitMaps& maps) {
                      {"kept_basis", "-"},
                      {"kept_family", "-"},
                      {"finest_levels_dropped", "all"}};
+        for (const Formula& formula : maps.formulas)
+            if (formula.fog == fog && formula.name == kNoFog) row["kept"] = "none: no fog";
         for (std::size_t i = 0; i < maps.fogs.size(); ++i) {
             if (maps.which[i] != fog) continue;
             const Decomposition<float>& after = maps.fogs[i].decomposition;

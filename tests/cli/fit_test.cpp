@@ -116,6 +116,32 @@ TEST_CASE("fit: a map that a formula describes becomes one, and the scene is tol
     }
 }
 
+TEST_CASE("fit: a map that hardly matters needs no fog at all, and the scene is told so") {
+    // All levels of detail can go here; families differ in how many they have.
+    const auto rough = [](double x, double z) { return std::fmod(13 * x + 7 * z, 1.0); };
+    const std::vector<std::pair<std::string, std::string>> changes = {
+        {"extinction", "5e-5"},
+        {"extinction", "0"},
+        {"rect", "[-64, 60, 64, 188]"},  // behind the camera
+        {"height", R"({"profile": "slab", "bottom": 500, "top": 510})"}};
+    for (const auto& [key, value] : changes) {
+        CAPTURE(key);
+        CAPTURE(value);
+        const Workspace work;
+        write_scene(work, rough);
+        json scene = json::parse(work.read_text("scene.json"));
+        scene["fog"][0][key] = json::parse(value);
+        work.write_text("scene.json", scene.dump());
+        const json facts = fit(work, "0.05");
+        CHECK(facts["advice"] == "no fog already satisfies this scene: it needs no map");
+        CHECK(facts["fogs"][0]["kept"] == "none: no fog");
+        CHECK(facts["why"].dump().find("no fog in its place") != std::string::npos);
+        CHECK(json::parse(work.read_text("small.json"))["fog"].empty());
+        CHECK(largest_difference(transmittance(work, "small.json", ""),
+                                 transmittance(work, "scene.json", "reference")) <= 0.05);
+    }
+}
+
 TEST_CASE("fit: one map becomes a formula, another stays, a formula stays as it is") {
     const Workspace work;
     write_scene(
