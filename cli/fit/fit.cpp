@@ -1,8 +1,10 @@
 // wavefog fit: model no more than a scene needs.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "bench/output.h"
 #include "bench/provenance.h"
@@ -34,33 +36,50 @@ fs::path fog_name(const fs::path& output, std::size_t index) {
     return output.parent_path() / fmt::format("{}.fog{}.exr", output.stem().string(), index);
 }
 
-/// Half floats if they keep the promise too, else floats.
-Result<bool> save_maps(const Gl& gl, const Scene& scene, const FitViews& views,
-                       const FitChoice& chosen, const FitOptions& options) {
-    for (const bool half : {true, false}) {
-        std::vector<Fog> saved;
-        for (std::size_t i = 0; i < chosen.maps.fogs.size(); ++i) {
-            Fog fog = chosen.maps.fogs[i];
-            if (half) fog.decomposition = to_scaling_form(fog.decomposition);
-            SaveOptions save;
-            save.half = half;
-            const fs::path file = fog_name(options.output, chosen.maps.which[i]);
-            if (auto ok = save_fog(file, fog, save); !ok) return tl::unexpected(ok.error());
-            Result<Fog> loaded = load_fog(file);
-            if (!loaded) return tl::unexpected(loaded.error());
-            saved.push_back(*std::move(loaded));
-        }
-        if (!half) return false;
-        bool keeps = true;
-        for (const std::vector<View>* seen : {&views.tuning, &views.held_out}) {
-            const Result<Worst> worst = largest_error(gl, scene, saved, chosen.maps.models,
-                                                      chosen.method, *seen, options.max_error);
-            if (!worst) return tl::unexpected(worst.error());
-            keeps = keeps && worst->error <= options.max_error;
-        }
-        if (keeps) return true;
+/// The maps as they lie in their files, and what they err.
+struct Saved {
+    bool half = false;
+    Worst tuning, held_out, whole;
+
+    double error() const { return std::max({tuning.error, held_out.error, whole.error}); }
+};
+
+Result<Saved> save_maps(const Gl& gl, const Scene& scene, const FitViews& views,
+                        const FitChoice& chosen, const FitOptions& options, bool half) {
+    std::vector<Fog> saved;
+    for (std::size_t i = 0; i < chosen.maps.fogs.size(); ++i) {
+        Fog fog = chosen.maps.fogs[i];
+        if (half) fog.decomposition = to_scaling_form(fog.decomposition);
+        SaveOptions save;
+        save.half = half;
+        const fs::path file = fog_name(options.output, chosen.maps.which[i]);
+        if (auto ok = save_fog(file, fog, save); !ok) return tl::unexpected(ok.error());
+        Result<Fog> loaded = load_fog(file);
+        if (!loaded) return tl::unexpected(loaded.error());
+        saved.push_back(*std::move(loaded));
     }
-    return false;
+    const auto textures = make_textures(gl, saved);
+    if (!textures) return tl::unexpected(textures.error());
+    Result<FogPass> pass = make_pass(gl, *textures, chosen.method, scene, chosen.maps.models);
+    if (!pass) return tl::unexpected(pass.error());
+    Saved result;
+    result.half = half;
+    for (const auto& [seen, worst] :
+         {std::pair(&views.tuning, &result.tuning), std::pair(&views.held_out, &result.held_out),
+          std::pair(&views.whole, &result.whole)}) {
+        Result<Worst> made = largest_error(gl, *pass, *seen);
+        if (!made) return tl::unexpected(made.error());
+        *worst = *std::move(made);
+    }
+    return result;
+}
+
+/// Half floats if they keep the promise too, else floats.
+Result<Saved> save_maps(const Gl& gl, const Scene& scene, const FitViews& views,
+                        const FitChoice& chosen, const FitOptions& options) {
+    const Result<Saved> half = save_maps(gl, scene, views, chosen, options, true);
+    if (!half || half->error() <= options.max_error) return half;
+    return save_maps(gl, scene, views, chosen, options, false);
 }
 
 /// The scene's JSON with other fogs and method; its files named from where it now lies.
@@ -86,7 +105,8 @@ Facts rewritten(const fs::path& input, const FitOptions& options, const FitChoic
             }
             for (const std::size_t which : chosen.maps.which)
                 if (which == map)
-                    fog = {{"model", "wavelet"}, {"file", fog_name(options.output, map).filename()}};
+                    fog = {{"model", "wavelet"},
+                           {"file", fog_name(options.output, map).filename()}};
             ++map;
         }
         if (!none) kept.push_back(std::move(fog));
@@ -141,10 +161,18 @@ std::string advice(const Scene& scene, const std::vector<Formula>& formulas) {
     return text;
 }
 
-Facts facts_of(const Scene& scene, const FitChoice& chosen, const FitOptions& options, bool half) {
+/// "every pixel of 2 cameras at 800x600"
+std::string checked_words(const Scene& scene, const Size& size) {
+    const std::size_t cameras = cameras_of(scene).size();
+    return fmt::format("{} of {} camera{} at {}x{}", whole_words(size), cameras,
+                       cameras == 1 ? "" : "s", size.width, size.height);
+}
+
+Facts facts_of(const Scene& scene, const FitChoice& chosen, const FitOptions& options,
+               const Saved& saved, const Size& size) {
     FitMaps before;
     before.fogs = scene.fogs;
-    const std::size_t bytes_each = half ? 2 : 4;
+    const std::size_t bytes_each = saved.half ? 2 : 4;
     std::uintmax_t file_bytes_after = 0;
     for (const std::size_t fog : chosen.maps.which)
         for (const fs::path& file : fog_files(fog_name(options.output, fog)))
@@ -155,15 +183,17 @@ Facts facts_of(const Scene& scene, const FitChoice& chosen, const FitOptions& op
     facts.update({{"method", chosen.method.name()},
                   {"mu", chosen.method.mu},
                   {"max_error", options.max_error},
-                  {"max_dT_tuning", chosen.tuning.error},
-                  {"max_dT_held_out", chosen.held_out.error},
+                  {"max_dT_tuning", saved.tuning.error},
+                  {"max_dT_held_out", saved.held_out.error},
+                  {"max_dT_own_cameras", saved.whole.error},
+                  {"own_cameras_checked", checked_words(scene, size)},
                   {"cameras", 1 + scene.cameras.size()},
                   {"ms", before_after(chosen.before_ms, chosen.ms)},
                   {"gpu_bytes", before_after(chosen.before_gpu_bytes, chosen.gpu_bytes)},
                   {"coefficient_bytes", before_after(4 * before.coefficients(),
                                                      bytes_each * chosen.maps.coefficients())}});
     if (!chosen.maps.fogs.empty()) {
-        facts["precision"] = half ? "half" : "float";
+        facts["precision"] = saved.half ? "half" : "float";
         facts["file_bytes"] = file_bytes_after;
     }
     facts["fogs"] = fog_rows(scene, chosen.maps);
@@ -208,14 +238,14 @@ Result<void> fit(const FitOptions& options) {
     if (!chosen) return tl::unexpected(chosen.error());
 
     const HoldInterrupts hold;
-    const Result<bool> half = save_maps(gl, *scene, *views, *chosen, options);
-    if (!half) return tl::unexpected(half.error());
+    const Result<Saved> saved = save_maps(gl, *scene, *views, *chosen, options);
+    if (!saved) return tl::unexpected(saved.error());
     const std::string text = rewritten(options.input, options, *chosen).dump(2) + "\n";
     if (auto ok = write_text(options.output, text); !ok) return ok;
     if (options.target_ms && chosen->ms > *options.target_ms)
         warn(fmt::format("--target {}: the fastest setting within the error takes {:.3g} ms here",
                          *options.target_ms, chosen->ms));
-    print_facts(facts_of(*scene, *chosen, options, *half), options.json);
+    print_facts(facts_of(*scene, *chosen, options, *saved, size), options.json);
     return {};
 }
 

@@ -26,8 +26,9 @@ class FormulaFit {
   public:
     FormulaFit(const Scene& scene, const std::vector<View>& views);
 
-    /// No fog, homogeneous fog, a halfspace and layers, the simplest first, each with the extinction
-    /// (and the halfspace's height) of the least error. `others` already replace other maps.
+    /// No fog, homogeneous fog, a halfspace and layers, the simplest first, each with the
+    /// extinction (and the halfspace's height) of the least error. `others` already replace other
+    /// maps.
     std::vector<Formula> fit(std::size_t fog, const std::vector<Formula>& others) const;
 
   private:
