@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "bench/variant.h"
 
@@ -62,15 +63,20 @@ std::vector<FitSetting*> by_preference(FitSearch& search, const std::optional<do
     const auto close = std::stable_partition(order.begin(), order.end(), [&](const auto* s) {
         return s->ms <= kClose * least || search.maps()[s->maps].fogs.empty();
     });
-    std::stable_sort(order.begin(), close, [](const auto* a, const auto* b) {
-        if (a->pass.bytes() != b->pass.bytes()) return a->pass.bytes() < b->pass.bytes();
-        return a->maps < b->maps;  // the simplest formula comes first
-    });
+    // The simplest formula comes first. Of one memory and map, what errs more does less work; noise
+    // shall not decide.
+    const auto less = [](const auto* a, const auto* b) {
+        return std::tuple(a->pass.bytes(), a->maps, -a->worst.error, a->method.mu) <
+               std::tuple(b->pass.bytes(), b->maps, -b->worst.error, b->method.mu);
+    };
+    std::stable_sort(order.begin(), close, less);
     if (target_ms)
         std::stable_sort(order.begin(), order.end(), [&](const auto* a, const auto* b) {
             const bool a_fits = a->ms <= *target_ms, b_fits = b->ms <= *target_ms;
             if (a_fits != b_fits) return a_fits;
-            return a_fits ? a->worst.error < b->worst.error : a->ms < b->ms;
+            if (!a_fits) return a->ms < b->ms;
+            if (a->worst.error != b->worst.error) return a->worst.error < b->worst.error;
+            return less(a, b);
         });
     return order;
 }
@@ -147,7 +153,7 @@ Result<FitChoice> choose(const Gl& gl, const Scene& scene, const FitViews& views
         if (auto ok = search.time(goal.size, goal.target_ms.value_or(0)); !ok)
             return tl::unexpected(ok.error());
         // Of the first map that was refused: less detail dropped might keep the error in its time.
-        double missed_ms = 0, missed_error = 0;
+        double missed_ms = 0, missed_error = 0, missed_tuning = 0;
         for (FitSetting* setting : by_preference(search, goal.target_ms)) {
             const FitMaps& maps = search.maps()[setting->maps];
             const Result<Worst> unseen = unseen_error(gl, setting->pass, views, goal.max_error);
@@ -161,6 +167,7 @@ Result<FitChoice> choose(const Gl& gl, const Scene& scene, const FitViews& views
                 if (missed_error == 0 && !maps.fogs.empty()) {
                     missed_ms = setting->ms;
                     missed_error = unseen->error;
+                    missed_tuning = setting->worst.error;
                 }
                 continue;
             }
@@ -169,9 +176,14 @@ Result<FitChoice> choose(const Gl& gl, const Scene& scene, const FitViews& views
             best->why.insert(best->why.end(), refused.begin(), refused.end());
             return *std::move(best);
         }
-        allowed *= missed_error > 0
-                       ? std::clamp(kMargin * goal.max_error / missed_error, kTighten, kMargin)
-                       : kTighten;
+        // As much below as it was above, and below what it errs itself so that it is not found
+        // again.
+        if (missed_error > 0)
+            allowed = std::clamp(
+                kMargin * std::min(allowed * goal.max_error / missed_error, missed_tuning),
+                kTighten * allowed, kMargin * allowed);
+        else
+            allowed *= kTighten;
         refused.push_back(fmt::format("so searched for |dT| {:.2e} next", allowed));
     }
     if (best) {

@@ -23,6 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kLeastError = 1e-7;  ///< float32 rounds T to as much
+
 struct FitOptions {
     fs::path input, output;
     double max_error = 0;
@@ -217,7 +219,11 @@ Result<void> fit(const FitOptions& options) {
     if (!scene) return tl::unexpected(scene.error());
     if (scene->fogs.empty())
         return data_error(options.input.string() +
-                          ": the scene has no wavelet fog to fit; add one");
+                          (scene->models.empty()
+                               ? ": the scene has no map of fog (\"fog\" with an \"image\" or "
+                                 "\"file\") to fit; add one"
+                               : ": all fogs are formulas, which are exact and cost least as they "
+                                 "are: there is nothing to fit; use the scene itself"));
     if (!scene->sequences.empty())
         return data_error(scene->sequences.front().place +
                           ": a map that changes cannot be fitted; give one \"image\"");
@@ -261,28 +267,37 @@ Command add_fit(CLI::App& root) {
         ->type_name("OUT.json");
     add_parsed(
         *app, "--max-error", options->max_error,
-        [](const std::string& text) { return parse_number_in(text, 1e-7, 1); }, "E",
-        "The largest |dT| allowed, e.g. 0.002: half a step of an 8-bit picture")
+        [](const std::string& text) -> Result<double> {
+            const Result<double> value = parse_fraction(text);
+            if (value && (*value < kLeastError || *value > 1))
+                return usage_error(
+                    fmt::format("{} is out of range; use {} to 1", text, kLeastError));
+            return value;
+        },
+        "E", "The largest |dT| allowed, e.g. 1/510: half a step of an 8-bit picture")
         ->required();
     add_parsed(
         *app, "--target", options->target_ms,
         [](const std::string& text) { return parse_number_in(text, 1e-3, 1e6); }, "MS",
         "The least error within this time a frame, rather than the least time");
     add_parsed(*app, "--size", options->size, parse_size, "WxH",
-               "Pixels of the timed frames (the scene's)");
+               "Pixels of the frames that are timed and checked in full (the scene's)");
     add_context(*app, options->context);
     app->add_flag("--json", options->json, "Print the report as JSON");
     app->footer(
-        "Puts a formula (homogeneous, halfspace, layers) in place of a map where that will do, "
-        "leaves\n"
-        "out levels of detail, changes basis and family, drops detail with distance (mu) and "
-        "changes\n"
-        "the method as far as the error allows, on the scene's cameras and two views beside each;\n"
-        "times what is left (a frame is that of the slowest camera); checks the choice on three "
-        "more\n"
-        "views a camera that it has not seen against the reference; and writes a scene with it. "
-        "The\n"
-        "report says what was kept and why, and what it cost before and after.\n"
+        "Puts a formula (none at all, homogeneous, halfspace, layers) in place of a map where "
+        "that\n"
+        "will do, leaves out levels of detail, changes basis and family, drops detail with "
+        "distance\n"
+        "(mu) and changes the method as far as the error allows, on the scene's cameras and two\n"
+        "views beside each, all drawn small; times what is left at --size (a frame is that of the\n"
+        "slowest camera); checks the choice on three more small views a camera that it has not\n"
+        "seen, and in every pixel that the scene's own cameras have at --size (up to 3840x2160; "
+        "of\n"
+        "larger pictures in one pixel of each 2x2, 3x3 ... as the report says), against the\n"
+        "reference of the scene as it was; searches again for less if one errs too much; and\n"
+        "writes a scene with it. The report says what was kept and why, and what it cost before\n"
+        "and after.\n"
         "\n"
         "Example:\n"
         "  wavefog fit data/scenes/bench64.json --max-error 0.002 -o out/small.json");
