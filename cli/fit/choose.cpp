@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "bench/variant.h"
 
@@ -14,8 +15,9 @@ namespace {
 constexpr double kViewPixels = 30000, kAllPixels = 60000;
 // Dropped details may use this share of the error, the method the rest.
 constexpr double kMapShare = 0.7;
-// If unseen views err more than allowed, the goal is tightened by this, so often.
-constexpr double kTighten = 0.6;
+// If unseen pixels err more than allowed, the search's limit falls by as much and a margin, within
+// these, so often.
+constexpr double kMargin = 0.95, kTighten = 0.6;
 constexpr int kTries = 4;
 // Times this close are noise: the least memory decides.
 constexpr double kClose = 1.25;
@@ -61,15 +63,20 @@ std::vector<FitSetting*> by_preference(FitSearch& search, const std::optional<do
     const auto close = std::stable_partition(order.begin(), order.end(), [&](const auto* s) {
         return s->ms <= kClose * least || search.maps()[s->maps].fogs.empty();
     });
-    std::stable_sort(order.begin(), close, [](const auto* a, const auto* b) {
-        if (a->pass.bytes() != b->pass.bytes()) return a->pass.bytes() < b->pass.bytes();
-        return a->maps < b->maps;  // the simplest formula comes first
-    });
+    // The simplest formula comes first. Of one memory and map, what errs more does less work; noise
+    // shall not decide.
+    const auto less = [](const auto* a, const auto* b) {
+        return std::tuple(a->pass.bytes(), a->maps, -a->worst.error, a->method.mu) <
+               std::tuple(b->pass.bytes(), b->maps, -b->worst.error, b->method.mu);
+    };
+    std::stable_sort(order.begin(), close, less);
     if (target_ms)
         std::stable_sort(order.begin(), order.end(), [&](const auto* a, const auto* b) {
             const bool a_fits = a->ms <= *target_ms, b_fits = b->ms <= *target_ms;
             if (a_fits != b_fits) return a_fits;
-            return a_fits ? a->worst.error < b->worst.error : a->ms < b->ms;
+            if (!a_fits) return a->ms < b->ms;
+            if (a->worst.error != b->worst.error) return a->worst.error < b->worst.error;
+            return less(a, b);
         });
     return order;
 }
@@ -91,6 +98,34 @@ std::vector<std::string> reasons(const FitSearch& search, const FitSetting& chos
     return why;
 }
 
+FitChoice choice_of(const FitSearch& search, const FitSetting& setting) {
+    FitChoice choice;
+    choice.maps = search.maps()[setting.maps];
+    choice.method = setting.method;
+    choice.ms = setting.ms;
+    choice.before_ms = search.before().ms;
+    choice.gpu_bytes = setting.pass.bytes();
+    choice.before_gpu_bytes = search.before().pass.bytes();
+    choice.why = reasons(search, setting);
+    choice.formulas = choice.maps.formulas;
+    for (const FitSetting& kept : search.settings())
+        if (choice.formulas.empty() && search.maps()[kept.maps].fogs.empty())
+            choice.formulas = search.maps()[kept.maps].formulas;
+    for (const FitSetting& kept : search.settings()) choice.kept.push_back(kept_row(search, kept));
+    for (const FitMiss& miss : search.misses())
+        choice.missed.push_back(row_of(search.maps()[miss.maps], miss.method, miss.worst));
+    return choice;
+}
+
+/// Over the views that are not tuned on, up to the first that errs more than `limit`.
+Result<Worst> unseen_error(const Gl& gl, FogPass& pass, const FitViews& views, double limit) {
+    const Result<Worst> held_out = largest_error(gl, pass, views.held_out, limit);
+    if (!held_out || held_out->error > limit) return held_out;
+    const Result<Worst> whole = largest_error(gl, pass, views.whole, limit);
+    if (!whole || whole->error > held_out->error) return whole;
+    return held_out;
+}
+
 }  // namespace
 
 Result<FitViews> fit_views(const Gl& gl, const Scene& scene, const Size& size) {
@@ -101,52 +136,60 @@ Result<FitViews> fit_views(const Gl& gl, const Scene& scene, const Size& size) {
     if (!tuning) return tl::unexpected(tuning.error());
     auto held_out = make_views(gl, scene, *truth, held_out_cameras(scene), small);
     if (!held_out) return tl::unexpected(held_out.error());
-    return FitViews{*std::move(tuning), *std::move(held_out)};
+    auto whole = make_whole_views(gl, scene, *truth, size);
+    if (!whole) return tl::unexpected(whole.error());
+    return FitViews{*std::move(tuning), *std::move(held_out), *std::move(whole)};
 }
 
 Result<FitChoice> choose(const Gl& gl, const Scene& scene, const FitViews& views,
                          const FitGoal& goal) {
     double allowed = goal.max_error;
-    for (int attempt = 0; attempt < kTries; ++attempt, allowed *= kTighten) {
+    std::optional<FitChoice> best;
+    std::vector<std::string> refused;
+    for (int attempt = 0; attempt < kTries; ++attempt) {
         FitSearch search(gl, scene, views.tuning);
         if (auto ok = search.simplify(allowed * kMapShare); !ok) return tl::unexpected(ok.error());
         if (auto ok = search.try_methods(allowed); !ok) return tl::unexpected(ok.error());
         if (auto ok = search.time(goal.size, goal.target_ms.value_or(0)); !ok)
             return tl::unexpected(ok.error());
-        std::vector<std::string> refused;
+        // Of the first map that was refused: less detail dropped might keep the error in its time.
+        double missed_ms = 0, missed_error = 0, missed_tuning = 0;
         for (FitSetting* setting : by_preference(search, goal.target_ms)) {
-            const Result<Worst> unseen =
-                largest_error(gl, setting->pass, views.held_out, goal.max_error);
+            const FitMaps& maps = search.maps()[setting->maps];
+            const Result<Worst> unseen = unseen_error(gl, setting->pass, views, goal.max_error);
             if (!unseen) return tl::unexpected(unseen.error());
             if (unseen->error > goal.max_error) {
-                refused.push_back(fmt::format(
-                    "{}, mu {}, {}: |dT| {:.1e} on a view not tuned on ({}), too much",
-                    setting->method.name(), setting->method.mu,
-                    maps_text(search.maps()[setting->maps]), unseen->error, unseen->view));
+                refused.push_back(
+                    fmt::format("{}, mu {}, {}: |dT| {:.1e} where not tuned ({}), "
+                                "too much",
+                                setting->method.name(), setting->method.mu, maps_text(maps),
+                                unseen->error, unseen->view));
+                if (missed_error == 0 && !maps.fogs.empty()) {
+                    missed_ms = setting->ms;
+                    missed_error = unseen->error;
+                    missed_tuning = setting->worst.error;
+                }
                 continue;
             }
-            FitChoice choice;
-            choice.maps = search.maps()[setting->maps];
-            choice.method = setting->method;
-            choice.tuning = setting->worst;
-            choice.held_out = *unseen;
-            choice.before = search.before().worst;
-            choice.ms = setting->ms;
-            choice.before_ms = search.before().ms;
-            choice.gpu_bytes = setting->pass.bytes();
-            choice.before_gpu_bytes = search.before().pass.bytes();
-            choice.why = reasons(search, *setting);
-            choice.why.insert(choice.why.end(), refused.begin(), refused.end());
-            choice.formulas = choice.maps.formulas;
-            for (const FitSetting& kept : search.settings())
-                if (choice.formulas.empty() && search.maps()[kept.maps].fogs.empty())
-                    choice.formulas = search.maps()[kept.maps].formulas;
-            for (const FitSetting& kept : search.settings())
-                choice.kept.push_back(kept_row(search, kept));
-            for (const FitMiss& miss : search.misses())
-                choice.missed.push_back(row_of(search.maps()[miss.maps], miss.method, miss.worst));
-            return choice;
+            if (!best || setting->ms < best->ms) best = choice_of(search, *setting);
+            if (missed_error > 0 && !goal.target_ms && setting->ms > kClose * missed_ms) break;
+            best->why.insert(best->why.end(), refused.begin(), refused.end());
+            return *std::move(best);
         }
+        // As much below as it was above, and below what it errs itself so that it is not found
+        // again.
+        if (missed_error > 0)
+            allowed = std::clamp(
+                kMargin * std::min(allowed * goal.max_error / missed_error, missed_tuning),
+                kTighten * allowed, kMargin * allowed);
+        else
+            allowed *= kTighten;
+        refused.push_back(fmt::format("so searched for |dT| {:.2e} next", allowed));
+    }
+    if (best) {
+        refused.pop_back();
+        best->why.insert(best->why.end(), refused.begin(), refused.end());
+        return *std::move(best);
     }
     return data_error(fmt::format(
         "no setting keeps |dT| below {}: float32 itself errs up to 2e-6; allow a larger "

@@ -10,9 +10,10 @@
 
 namespace wavefog::cli {
 
-/// Settings are tuned on the first views and checked on the second.
+/// Settings are tuned on the first views and checked on the others.
 struct FitViews {
     std::vector<View> tuning, held_out;
+    std::vector<View> whole;  ///< the scene's own cameras at the size asked for
 };
 
 Result<FitViews> fit_views(const Gl& gl, const Scene& scene, const Size& size);
@@ -20,15 +21,14 @@ Result<FitViews> fit_views(const Gl& gl, const Scene& scene, const Size& size);
 struct FitGoal {
     double max_error = 0;
     std::optional<double> target_ms;
-    Size size;  ///< of timed frames
+    Size size;  ///< of timed frames and of the pictures that are checked in full
 };
 
-/// What was chosen, and what it does on views that it was not chosen on.
+/// What was chosen.
 struct FitChoice {
     FitMaps maps;
     Method method;
     std::vector<Formula> formulas;  ///< that keep the error, chosen or not
-    Worst tuning, held_out, before;
     double ms = 0, before_ms = 0;
     std::size_t gpu_bytes = 0, before_gpu_bytes = 0;
     std::vector<std::string> why;

@@ -1,8 +1,10 @@
 // wavefog fit: model no more than a scene needs.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "bench/output.h"
 #include "bench/provenance.h"
@@ -21,6 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kLeastError = 1e-7;  ///< float32 rounds T to as much
+
 struct FitOptions {
     fs::path input, output;
     double max_error = 0;
@@ -34,33 +38,50 @@ fs::path fog_name(const fs::path& output, std::size_t index) {
     return output.parent_path() / fmt::format("{}.fog{}.exr", output.stem().string(), index);
 }
 
-/// Half floats if they keep the promise too, else floats.
-Result<bool> save_maps(const Gl& gl, const Scene& scene, const FitViews& views,
-                       const FitChoice& chosen, const FitOptions& options) {
-    for (const bool half : {true, false}) {
-        std::vector<Fog> saved;
-        for (std::size_t i = 0; i < chosen.maps.fogs.size(); ++i) {
-            Fog fog = chosen.maps.fogs[i];
-            if (half) fog.decomposition = to_scaling_form(fog.decomposition);
-            SaveOptions save;
-            save.half = half;
-            const fs::path file = fog_name(options.output, chosen.maps.which[i]);
-            if (auto ok = save_fog(file, fog, save); !ok) return tl::unexpected(ok.error());
-            Result<Fog> loaded = load_fog(file);
-            if (!loaded) return tl::unexpected(loaded.error());
-            saved.push_back(*std::move(loaded));
-        }
-        if (!half) return false;
-        bool keeps = true;
-        for (const std::vector<View>* seen : {&views.tuning, &views.held_out}) {
-            const Result<Worst> worst = largest_error(gl, scene, saved, chosen.maps.models,
-                                                      chosen.method, *seen, options.max_error);
-            if (!worst) return tl::unexpected(worst.error());
-            keeps = keeps && worst->error <= options.max_error;
-        }
-        if (keeps) return true;
+/// The maps as they lie in their files, and what they err.
+struct Saved {
+    bool half = false;
+    Worst tuning, held_out, whole;
+
+    double error() const { return std::max({tuning.error, held_out.error, whole.error}); }
+};
+
+Result<Saved> save_maps(const Gl& gl, const Scene& scene, const FitViews& views,
+                        const FitChoice& chosen, const FitOptions& options, bool half) {
+    std::vector<Fog> saved;
+    for (std::size_t i = 0; i < chosen.maps.fogs.size(); ++i) {
+        Fog fog = chosen.maps.fogs[i];
+        if (half) fog.decomposition = to_scaling_form(fog.decomposition);
+        SaveOptions save;
+        save.half = half;
+        const fs::path file = fog_name(options.output, chosen.maps.which[i]);
+        if (auto ok = save_fog(file, fog, save); !ok) return tl::unexpected(ok.error());
+        Result<Fog> loaded = load_fog(file);
+        if (!loaded) return tl::unexpected(loaded.error());
+        saved.push_back(*std::move(loaded));
     }
-    return false;
+    const auto textures = make_textures(gl, saved);
+    if (!textures) return tl::unexpected(textures.error());
+    Result<FogPass> pass = make_pass(gl, *textures, chosen.method, scene, chosen.maps.models);
+    if (!pass) return tl::unexpected(pass.error());
+    Saved result;
+    result.half = half;
+    for (const auto& [seen, worst] :
+         {std::pair(&views.tuning, &result.tuning), std::pair(&views.held_out, &result.held_out),
+          std::pair(&views.whole, &result.whole)}) {
+        Result<Worst> made = largest_error(gl, *pass, *seen);
+        if (!made) return tl::unexpected(made.error());
+        *worst = *std::move(made);
+    }
+    return result;
+}
+
+/// Half floats if they keep the promise too, else floats.
+Result<Saved> save_maps(const Gl& gl, const Scene& scene, const FitViews& views,
+                        const FitChoice& chosen, const FitOptions& options) {
+    const Result<Saved> half = save_maps(gl, scene, views, chosen, options, true);
+    if (!half || half->error() <= options.max_error) return half;
+    return save_maps(gl, scene, views, chosen, options, false);
 }
 
 /// The scene's JSON with other fogs and method; its files named from where it now lies.
@@ -75,16 +96,24 @@ Facts rewritten(const fs::path& input, const FitOptions& options, const FitChoic
     if (json.contains("meshes"))
         for (Facts& mesh : json["meshes"]) rebase(mesh["file"]);
     std::size_t map = 0;
+    Facts kept = Facts::array();
     for (Facts& fog : json["fog"]) {
-        if (fog.value("model", "wavelet") != "wavelet") continue;
-        for (const Formula& formula : chosen.maps.formulas)
-            if (formula.fog == map) fog = formula_json(formula.model);
-        for (std::size_t i = 0; i < chosen.maps.fogs.size(); ++i) {
-            if (chosen.maps.which[i] != map) continue;
-            fog = {{"model", "wavelet"}, {"file", fog_name(options.output, map).filename()}};
+        bool none = false;
+        if (fog.value("model", "wavelet") == "wavelet") {
+            for (const Formula& formula : chosen.maps.formulas) {
+                if (formula.fog != map) continue;
+                none = formula.name == kNoFog;
+                fog = formula_json(formula.model);
+            }
+            for (const std::size_t which : chosen.maps.which)
+                if (which == map)
+                    fog = {{"model", "wavelet"},
+                           {"file", fog_name(options.output, map).filename()}};
+            ++map;
         }
-        ++map;
+        if (!none) kept.push_back(std::move(fog));
     }
+    json["fog"] = std::move(kept);
     json["method"] = {{"name", chosen.method.name()}, {"mu", chosen.method.mu}};
     return json;
 }
@@ -100,6 +129,8 @@ Facts fog_rows(const Scene& scene, const FitMaps& maps) {
                      {"kept_basis", "-"},
                      {"kept_family", "-"},
                      {"finest_levels_dropped", "all"}};
+        for (const Formula& formula : maps.formulas)
+            if (formula.fog == fog && formula.name == kNoFog) row["kept"] = "none: no fog";
         for (std::size_t i = 0; i < maps.fogs.size(); ++i) {
             if (maps.which[i] != fog) continue;
             const Decomposition<float>& after = maps.fogs[i].decomposition;
@@ -132,10 +163,18 @@ std::string advice(const Scene& scene, const std::vector<Formula>& formulas) {
     return text;
 }
 
-Facts facts_of(const Scene& scene, const FitChoice& chosen, const FitOptions& options, bool half) {
+/// "every pixel of 2 cameras at 800x600"
+std::string checked_words(const Scene& scene, const Size& size) {
+    const std::size_t cameras = cameras_of(scene).size();
+    return fmt::format("{} of {} camera{} at {}x{}", whole_words(size), cameras,
+                       cameras == 1 ? "" : "s", size.width, size.height);
+}
+
+Facts facts_of(const Scene& scene, const FitChoice& chosen, const FitOptions& options,
+               const Saved& saved, const Size& size) {
     FitMaps before;
     before.fogs = scene.fogs;
-    const std::size_t bytes_each = half ? 2 : 4;
+    const std::size_t bytes_each = saved.half ? 2 : 4;
     std::uintmax_t file_bytes_after = 0;
     for (const std::size_t fog : chosen.maps.which)
         for (const fs::path& file : fog_files(fog_name(options.output, fog)))
@@ -146,15 +185,17 @@ Facts facts_of(const Scene& scene, const FitChoice& chosen, const FitOptions& op
     facts.update({{"method", chosen.method.name()},
                   {"mu", chosen.method.mu},
                   {"max_error", options.max_error},
-                  {"max_dT_tuning", chosen.tuning.error},
-                  {"max_dT_held_out", chosen.held_out.error},
+                  {"max_dT_tuning", saved.tuning.error},
+                  {"max_dT_held_out", saved.held_out.error},
+                  {"max_dT_own_cameras", saved.whole.error},
+                  {"own_cameras_checked", checked_words(scene, size)},
                   {"cameras", 1 + scene.cameras.size()},
                   {"ms", before_after(chosen.before_ms, chosen.ms)},
                   {"gpu_bytes", before_after(chosen.before_gpu_bytes, chosen.gpu_bytes)},
                   {"coefficient_bytes", before_after(4 * before.coefficients(),
                                                      bytes_each * chosen.maps.coefficients())}});
     if (!chosen.maps.fogs.empty()) {
-        facts["precision"] = half ? "half" : "float";
+        facts["precision"] = saved.half ? "half" : "float";
         facts["file_bytes"] = file_bytes_after;
     }
     facts["fogs"] = fog_rows(scene, chosen.maps);
@@ -178,7 +219,11 @@ Result<void> fit(const FitOptions& options) {
     if (!scene) return tl::unexpected(scene.error());
     if (scene->fogs.empty())
         return data_error(options.input.string() +
-                          ": the scene has no wavelet fog to fit; add one");
+                          (scene->models.empty()
+                               ? ": the scene has no map of fog (\"fog\" with an \"image\" or "
+                                 "\"file\") to fit; add one"
+                               : ": all fogs are formulas, which are exact and cost least as they "
+                                 "are: there is nothing to fit; use the scene itself"));
     if (!scene->sequences.empty())
         return data_error(scene->sequences.front().place +
                           ": a map that changes cannot be fitted; give one \"image\"");
@@ -199,14 +244,14 @@ Result<void> fit(const FitOptions& options) {
     if (!chosen) return tl::unexpected(chosen.error());
 
     const HoldInterrupts hold;
-    const Result<bool> half = save_maps(gl, *scene, *views, *chosen, options);
-    if (!half) return tl::unexpected(half.error());
+    const Result<Saved> saved = save_maps(gl, *scene, *views, *chosen, options);
+    if (!saved) return tl::unexpected(saved.error());
     const std::string text = rewritten(options.input, options, *chosen).dump(2) + "\n";
     if (auto ok = write_text(options.output, text); !ok) return ok;
     if (options.target_ms && chosen->ms > *options.target_ms)
         warn(fmt::format("--target {}: the fastest setting within the error takes {:.3g} ms here",
                          *options.target_ms, chosen->ms));
-    print_facts(facts_of(*scene, *chosen, options, *half), options.json);
+    print_facts(facts_of(*scene, *chosen, options, *saved, size), options.json);
     return {};
 }
 
@@ -222,28 +267,37 @@ Command add_fit(CLI::App& root) {
         ->type_name("OUT.json");
     add_parsed(
         *app, "--max-error", options->max_error,
-        [](const std::string& text) { return parse_number_in(text, 1e-7, 1); }, "E",
-        "The largest |dT| allowed, e.g. 0.002: half a step of an 8-bit picture")
+        [](const std::string& text) -> Result<double> {
+            const Result<double> value = parse_fraction(text);
+            if (value && (*value < kLeastError || *value > 1))
+                return usage_error(
+                    fmt::format("{} is out of range; use {} to 1", text, kLeastError));
+            return value;
+        },
+        "E", "The largest |dT| allowed, e.g. 1/510: half a step of an 8-bit picture")
         ->required();
     add_parsed(
         *app, "--target", options->target_ms,
         [](const std::string& text) { return parse_number_in(text, 1e-3, 1e6); }, "MS",
         "The least error within this time a frame, rather than the least time");
     add_parsed(*app, "--size", options->size, parse_size, "WxH",
-               "Pixels of the timed frames (the scene's)");
+               "Pixels of the frames that are timed and checked in full (the scene's)");
     add_context(*app, options->context);
     app->add_flag("--json", options->json, "Print the report as JSON");
     app->footer(
-        "Puts a formula (homogeneous, halfspace, layers) in place of a map where that will do, "
-        "leaves\n"
-        "out levels of detail, changes basis and family, drops detail with distance (mu) and "
-        "changes\n"
-        "the method as far as the error allows, on the scene's cameras and two views beside each;\n"
-        "times what is left (a frame is that of the slowest camera); checks the choice on three "
-        "more\n"
-        "views a camera that it has not seen against the reference; and writes a scene with it. "
-        "The\n"
-        "report says what was kept and why, and what it cost before and after.\n"
+        "Puts a formula (none at all, homogeneous, halfspace, layers) in place of a map where "
+        "that\n"
+        "will do, leaves out levels of detail, changes basis and family, drops detail with "
+        "distance\n"
+        "(mu) and changes the method as far as the error allows, on the scene's cameras and two\n"
+        "views beside each, all drawn small; times what is left at --size (a frame is that of the\n"
+        "slowest camera); checks the choice on three more small views a camera that it has not\n"
+        "seen, and in every pixel that the scene's own cameras have at --size (up to 3840x2160; "
+        "of\n"
+        "larger pictures in one pixel of each 2x2, 3x3 ... as the report says), against the\n"
+        "reference of the scene as it was; searches again for less if one errs too much; and\n"
+        "writes a scene with it. The report says what was kept and why, and what it cost before\n"
+        "and after.\n"
         "\n"
         "Example:\n"
         "  wavefog fit data/scenes/bench64.json --max-error 0.002 -o out/small.json");

@@ -146,7 +146,8 @@ std::vector<Formula> FormulaFit::fit(std::size_t fog, const std::vector<Formula>
     Eigen::ArrayXd others = total_ - parts_[fog];
     for (const Formula& other : replaced) others += depths(other.model) - parts_[other.fog];
 
-    std::vector<Formula> formulas;
+    std::vector<Formula> formulas = {{fog, kNoFog, "no fog", everywhere(0),
+                                      ((-others).exp() - (-total_).exp()).abs().maxCoeff()}};
     const auto [constant, constant_error] = best_extinction(depths(everywhere(1)), others, highest);
     formulas.push_back({fog, "homogeneous",
                         fmt::format("homogeneous fog with extinction {:.4g}/m", constant),

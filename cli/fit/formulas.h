@@ -9,10 +9,13 @@
 
 namespace wavefog::cli {
 
+/// The name of the formula that is 0 everywhere.
+inline constexpr const char* kNoFog = "no fog";
+
 /// A fog in closed form in place of a map, its extinction fitted.
 struct Formula {
     std::size_t fog = 0;  ///< of the scene's maps
-    std::string name;     ///< homogeneous, halfspace or layers
+    std::string name;     ///< kNoFog, homogeneous, halfspace or layers
     std::string words;    ///< "halfspace fog below y = 8 m with extinction 0.03/m"
     FogModel model;
     double error = 0;  ///< over a sample of the tuning views' pixels, the other fogs as they are
@@ -23,8 +26,9 @@ class FormulaFit {
   public:
     FormulaFit(const Scene& scene, const std::vector<View>& views);
 
-    /// Homogeneous fog, a halfspace and layers, the simplest first, each with the extinction (and
-    /// the halfspace's height) of the least error. `others` already replace other maps.
+    /// No fog, homogeneous fog, a halfspace and layers, the simplest first, each with the
+    /// extinction (and the halfspace's height) of the least error. `others` already replace other
+    /// maps.
     std::vector<Formula> fit(std::size_t fog, const std::vector<Formula>& others) const;
 
   private:

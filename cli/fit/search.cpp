@@ -14,9 +14,19 @@ constexpr int kTimedFrames = 9;
 constexpr int kFirstFrames = 3;
 constexpr double kHopeless = 2;
 
-constexpr const char* kMethods[] = {"exact",           "radial:256x64", "radial:512x128",
-                                    "radial:1024x256", "radial",        "march:8",
-                                    "march:16",        "march:32",      "march:64"};
+constexpr const char* kMethods[] = {"exact",
+                                    "radial:256x64",
+                                    "radial:512x128",
+                                    "radial:1024x256",
+                                    "radial",
+                                    "radial:512x64:step",
+                                    "radial:1024x128:step",
+                                    "radial:2048x256:step",
+                                    "radial:step",
+                                    "march:8",
+                                    "march:16",
+                                    "march:32",
+                                    "march:64"};
 // Finer than the default, which fits its table to the view: for errors that it only just misses.
 constexpr const char* kFinerTables[] = {"radial:2048x512", "radial:4096x1024"};
 constexpr double kJustMissed = 4;

@@ -57,6 +57,7 @@ class FitSearch {
     const std::vector<FitMaps>& maps() const { return maps_; }
     /// Fastest first once timed.
     std::vector<FitSetting>& settings() { return settings_; }
+    const std::vector<FitSetting>& settings() const { return settings_; }
     const std::vector<FitMiss>& misses() const { return misses_; }
     /// The scene as it is written, once timed.
     const FitSetting& before() const { return *before_; }

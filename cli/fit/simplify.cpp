@@ -62,7 +62,8 @@ Result<FitMaps> FitSearch::drop_levels(const std::vector<Fog>& whole, const FitM
         // Of the fogs that can lose a level more, the one that shows it least.
         std::optional<FitMaps> best;
         for (std::size_t i = 0; i < whole.size(); ++i) {
-            if (maps.dropped[i] == whole[i].decomposition.levels()) continue;
+            // Another family may have left out more levels than this one has.
+            if (maps.dropped[i] >= whole[i].decomposition.levels()) continue;
             FitMaps next = maps;
             Result<Fog> coarser = without_finest(whole[i], ++next.dropped[i]);
             if (!coarser) return tl::unexpected(coarser.error());

@@ -20,7 +20,7 @@ struct View {
     FrameTarget frame;
     Image depth;               ///< as the fog passes read it
     Truth truth;               ///< of all fogs
-    std::vector<Truth> parts;  ///< of each map
+    std::vector<Truth> parts;  ///< of each map, for views to tune on
 };
 
 /// The scene's camera, called "main", and its further ones.
@@ -33,6 +33,13 @@ std::vector<NamedCamera> held_out_cameras(const Scene& scene);
 /// Draws the scene and integrates `fogs` (undecomposed) by the reference, for every camera.
 Result<std::vector<View>> make_views(const Gl& gl, const Scene& scene, const std::vector<Fog>& fogs,
                                      const std::vector<NamedCamera>& cameras, const Size& size);
+
+/// The scene's own cameras in full: the truth of every pixel up to 3840x2160, of larger pictures
+/// every n-th of every n-th row, as whole_words() says.
+Result<std::vector<View>> make_whole_views(const Gl& gl, const Scene& scene,
+                                           const std::vector<Fog>& fogs, const Size& size);
+/// "every pixel" or "one pixel in every 2x2".
+std::string whole_words(const Size& size);
 
 Result<std::vector<FogTextures>> make_textures(const Gl& gl, const std::vector<Fog>& fogs);
 
