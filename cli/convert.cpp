@@ -321,7 +321,9 @@ void add_promises(CLI::App& app, ConvertOptions& options) {
             promise(Promise::max_transmittance_error);
             return positive(text);
         },
-        "E", ".wfog: no ray's transmittance is off by more than E (with --path)");
+        "E",
+        ".wfog: no ray's transmittance is off by more than E (with --path); rays above the "
+        "profile's base, in uniform fog up to 45 degrees steep");
     add_parsed(app, "--path", options.compact.path, positive, "L",
                "The longest ray of --max-transmittance-error, metres");
     add_parsed(

@@ -105,6 +105,10 @@ TEST_CASE("wfog: every truncation, every flipped bit and every further byte is a
             FileBytes longer = file;
             longer.push_back(std::uint8_t(more));
             CHECK_FALSE(opens(longer));
+            // Nor is it one that ends early: all levels are there.
+            WfogLimits partial;
+            partial.partial = true;
+            CHECK_FALSE(decode_wfog(longer, partial).has_value());
         }
     }
 }

@@ -261,6 +261,9 @@ Result<Chunks> read_chunks(View bytes, bool partial) {
         const std::size_t size = rest.size() - r.left();
         const std::uint64_t stored = r.fixed(4);
         if (r.failed()) {
+            if (has_head && static_cast<int>(chunks.streams.size()) == chunks.expected())
+                return damaged(
+                    fmt::format("{} bytes after its last level are no chunk", rest.size()).c_str());
             chunks.truncated = true;
             break;
         }
