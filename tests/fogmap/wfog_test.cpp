@@ -141,6 +141,23 @@ TEST_CASE("wfog: every pixel is within the promised error and never below 0") {
                 }
 }
 
+TEST_CASE("wfog: maps so thin that floats are denormal keep a promised error") {
+    test::Random random(411);
+    for (int round = 0; round < 40; ++round) {
+        Grid<float> map(20, 20);
+        for (Eigen::Index i = 0; i < map.size(); ++i)
+            map.data()[i] = static_cast<float>(1e-40 * random.uniform(0, 1));
+        WfogOptions options;
+        options.promise = Promise::max_error;
+        for (const double error : {0.1, 0.05, 0.01}) {
+            options.error = error;
+            const EncodedFog file = encoded(fog_of(map), options, &map);
+            const double worst = double((decoded(file.bytes).map - map).abs().maxCoeff());
+            CHECK(worst <= error * file.report.full_scale + map.maxCoeff() * 0x1p-23);
+        }
+    }
+}
+
 TEST_CASE("wfog: all metadata come back") {
     const Grid<float> map = make_map(Kind::smooth, 40, 30, 1);
     for (const auto& [degree, family, form] : {std::tuple{0, "", Form::wavelet},

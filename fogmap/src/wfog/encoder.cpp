@@ -415,7 +415,8 @@ Result<EncodedFog> encode_pixels(const Fog& fog, const Source& source, double sc
             break;
         case Promise::max_error:
             allowed = options.error * scale;
-            trial = encoder.encode_well(allowed);
+            // Steps near the denormal floats have too few digits; such fog is kept as it is.
+            trial = allowed < 0x1p-100 ? encoder.encode(0) : encoder.encode_well(allowed);
             break;
         case Promise::bytes:
             trial = fit_bytes(encoder, std::max(scale, 1e-30), options.bytes);
