@@ -147,7 +147,8 @@ TEST_CASE("wind: what repeats comes back after 1e6 s without a digit lost") {
             // 7.25e6 m times 0.6 is rounded to 1e-9 m; a table's metres are exact.
             CHECK_LE(worst, std::holds_alternative<Polynomials>(model) ? 2e-10 : 1e-13);
         }
-    const Separable& moved_table = std::get<Separable>(moved(FogModel(table), {7.25e6, 0, 4e6}));
+    const FogModel later = moved(FogModel(table), {7.25e6, 0, 4e6});
+    const Separable& moved_table = std::get<Separable>(later);
     CHECK(moved_table.axes[0].begin == table.axes[0].begin);
     CHECK(moved_table.axes[2].end == table.axes[2].end);
 }
