@@ -6,8 +6,8 @@
 
 #include "fogmap/fog_support.h"
 #include "fogmap/model_support.h"
-#include "wavefog/fogmap/reference.h"
 #include "wavefog/fogmap/model_motion.h"
+#include "wavefog/fogmap/reference.h"
 
 using namespace wavefog;
 using namespace wavefog::test;
