@@ -146,6 +146,18 @@ Measured measure(const Tile& tile, const PlaneCoding& plane) {
     return measured;
 }
 
+/// Calls body(t, place, tile, scratch) for every tile, its values not set. False if stopped.
+template <class Body>
+bool for_each_tile(const PlaneCoding& coding, int threads, const std::stop_token& stop, Body body) {
+    return for_each_parallel(coding.tiles(), threads, stop, [&](size_t t, Scratch& scratch) {
+        const StandardFloats standard;
+        const Place place = place_of(t, coding);
+        scratch.clear();
+        Tile tile(place.width, place.height, scratch);
+        body(t, place, tile, scratch);
+    });
+}
+
 std::vector<Bytes> encode_tile(Tile& tile, const PlaneCoding& plane, bool best, Scratch& scratch) {
     auto [coding, table, range] = measure(tile, plane);
     const bool packed = !table.empty();
@@ -232,12 +244,8 @@ PlaneResult encode_plane(const PlaneCoding& coding, bool best, int threads,
                          const TileSink& check, PlaneStreams& streams) {
     streams.assign(size_t(coding.levels) + 1, std::vector<Bytes>(coding.tiles()));
     std::atomic<bool> damaged = false;
-    const bool done =
-        for_each_parallel(coding.tiles(), threads, stop, [&](size_t t, Scratch& scratch) {
-            const StandardFloats standard;
-            const Place place = place_of(t, coding);
-            scratch.clear();
-            Tile tile(place.width, place.height, scratch);
+    const bool done = for_each_tile(
+        coding, threads, stop, [&](size_t t, const Place& place, Tile& tile, Scratch& scratch) {
             source(place, tile);
             std::vector<Bytes> coded = encode_tile(tile, coding, best, scratch);
             scratch.clear();
@@ -254,13 +262,9 @@ PlaneResult encode_plane(const PlaneCoding& coding, bool best, int threads,
 PlaneResult decode_plane(const PlaneViews& streams, const PlaneCoding& coding, int threads,
                          const std::stop_token& stop, const TileSink& sink) {
     std::atomic<bool> damaged = false;
-    const bool done =
-        for_each_parallel(coding.tiles(), threads, stop, [&](size_t t, Scratch& scratch) {
+    const bool done = for_each_tile(
+        coding, threads, stop, [&](size_t t, const Place& place, Tile& tile, Scratch& scratch) {
             if (damaged) return;
-            const StandardFloats standard;
-            const Place place = place_of(t, coding);
-            scratch.clear();
-            Tile tile(place.width, place.height, scratch);
             std::vector<View> own;
             for (const std::vector<View>& level : streams) own.push_back(level[t]);
             if (!decode_tile(std::move(own), coding, tile, scratch) || !sink(t, place, tile))
@@ -274,12 +278,8 @@ std::optional<double> estimate_squared_errors(const PlaneCoding& coding, int thr
                                               const TileSource& source) {
     std::vector<double> sums(coding.tiles());
     std::atomic<bool> too_wide = coding.bounds.finest > kTableRange;
-    const bool done =
-        for_each_parallel(coding.tiles(), threads, stop, [&](size_t t, Scratch& scratch) {
-            const StandardFloats standard;
-            const Place place = place_of(t, coding);
-            scratch.clear();
-            Tile tile(place.width, place.height, scratch);
+    const bool done = for_each_tile(
+        coding, threads, stop, [&](size_t t, const Place& place, Tile& tile, Scratch& scratch) {
             source(place, tile);
             const Measured measured = measure(tile, coding);
             if (measured.range > kTableRange) too_wide = true;
