@@ -77,6 +77,23 @@ TileSource tiles_of(const Grid<float>& map, const Scale& scale) {
     };
 }
 
+/// Encodes a map; the errors are those of its tiles as decoded from the streams. `exact`: they must
+/// be the map's own integers. `decoded`: gets the decoded map; or null.
+Result<Errors> encode_map(const Grid<float>& map, const Scale& scale, const PlaneCoding& coding,
+                          const WfogOptions& options, bool exact, Grid<float>* decoded,
+                          PlaneStreams& streams) {
+    TileErrors errors(map, scale, coding.tiles(), exact, decoded);
+    const PlaneResult result = encode_plane(
+        coding, options.best, options.threads, options.stop, tiles_of(map, scale),
+        [&](size_t tile, const Place& place, const Tile& values) {
+            return errors.add(tile, place, values);
+        },
+        streams);
+    if (result == PlaneResult::stopped) return cancelled();
+    if (result == PlaneResult::damaged) return broken_promise();
+    return errors.sum();
+}
+
 Head head_of(const Fog& fog) {
     Head head;
     head.fog.rect = fog.rect;
@@ -200,18 +217,11 @@ class PixelEncoder {
         const bool by_rays = options_.promise == WfogOptions::Promise::max_transmittance_error;
         if (by_rays) trial.map.resize(map.rows(), map.cols());
         const PlaneCoding plane = coding();
-        TileErrors errors(map, head_.scale, plane.tiles(), allowed_ == 0,
-                          by_rays ? &trial.map : nullptr);
         PlaneStreams streams;
-        const PlaneResult result = encode_plane(
-            plane, options_.best, options_.threads, options_.stop, tiles_of(map, head_.scale),
-            [&](size_t tile, const Place& place, const Tile& decoded) {
-                return errors.add(tile, place, decoded);
-            },
-            streams);
-        if (result == PlaneResult::stopped) return cancelled();
-        if (result == PlaneResult::damaged) return broken_promise();
-        const Errors made = errors.sum();
+        const auto errors = encode_map(map, head_.scale, plane, options_, allowed_ == 0,
+                                       by_rays ? &trial.map : nullptr, streams);
+        if (!errors) return tl::unexpected(errors.error());
+        const Errors& made = *errors;
         head_.max_error = static_cast<float>(made.most);
         std::vector<Bytes> chunks;
         for (const std::vector<Bytes>& level : streams) chunks.push_back(join(level));
@@ -265,7 +275,8 @@ class PixelEncoder {
         // Float rounding of the decoded density comes on top.
         const double usable = error - most * 1.2e-7;
         const double step = usable / (double(kStepsOfBound) + 0.5);
-        if (usable <= 0 || most / step > double(1 << 29)) {
+        // Steps near the denormal floats would have too few digits.
+        if (usable < 0x1p-100 || most / step > double(1 << 29)) {
             head_.scale = exact_scale(source_.map());
             return;
         }
@@ -302,16 +313,9 @@ Result<EncodedFog> encode_coefficients(const Fog& fog, const WfogOptions& option
             PlaneStreams streams;
             const PlaneCoding coding =
                 coding_of(head, band->width(), band->height(), band_levels(*band, head.tile_bits));
-            TileErrors errors(band->values, head.scale, coding.tiles(), true, nullptr);
-            const PlaneResult result = encode_plane(
-                coding, options.best, options.threads, options.stop,
-                tiles_of(band->values, head.scale),
-                [&](size_t tile, const Place& place, const Tile& decoded) {
-                    return errors.add(tile, place, decoded);
-                },
-                streams);
-            if (result == PlaneResult::stopped) return cancelled();
-            if (result == PlaneResult::damaged) return broken_promise();
+            const auto errors =
+                encode_map(band->values, head.scale, coding, options, true, nullptr, streams);
+            if (!errors) return tl::unexpected(errors.error());
             for (const auto& stream : streams)
                 for (const Bytes& tile : stream) {
                     chunk.length(tile.size());
@@ -415,8 +419,7 @@ Result<EncodedFog> encode_pixels(const Fog& fog, const Source& source, double sc
             break;
         case Promise::max_error:
             allowed = options.error * scale;
-            // Steps near the denormal floats have too few digits; such fog is kept as it is.
-            trial = allowed < 0x1p-100 ? encoder.encode(0) : encoder.encode_well(allowed);
+            trial = encoder.encode_well(allowed);
             break;
         case Promise::bytes:
             trial = fit_bytes(encoder, std::max(scale, 1e-30), options.bytes);
