@@ -2,8 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
+#include "keyframes.h"
 #include "wavefog/wavelet/interpolate.h"
 
 namespace wavefog {
@@ -26,13 +25,7 @@ Result<const Decomposition<float>*> SequencePlayer::key(std::size_t index, std::
 
 Result<void> SequencePlayer::show(double seconds, Fog& fog) {
     const auto& keys = sequence_.keys;
-    const auto after = std::upper_bound(
-        keys.begin(), keys.end(), seconds,
-        [](double time, const MapSequence::Key& candidate) { return time < candidate.seconds; });
-    const auto next = static_cast<std::size_t>(after - keys.begin());
-    const std::size_t a = next == 0 ? 0 : next - 1, b = std::min(next, keys.size() - 1);
-    const double share =
-        a == b ? 0 : (seconds - keys[a].seconds) / (keys[b].seconds - keys[a].seconds);
+    const auto [a, b, share] = detail::between_keys(keys, seconds);
     const auto first = key(a, b);
     if (!first) return tl::unexpected(first.error());
     if (share == 0) {

@@ -8,6 +8,8 @@
 #include <optional>
 #include <type_traits>
 
+#include "keyframes.h"
+
 namespace wavefog {
 namespace {
 
@@ -17,6 +19,50 @@ using Complaint = std::optional<std::string>;
 template <class Value>
 Value mixed(const Value& a, const Value& b, double share) {
     return a + share * (b - a);
+}
+
+Ramp::Point mixed(const Ramp::Point& a, const Ramp::Point& b, double share) {
+    return {mixed(a.y, b.y, share), mixed(a.extinction, b.extinction, share)};
+}
+
+Cosines::Wave mixed(const Cosines::Wave& a, const Cosines::Wave& b, double share) {
+    return {mixed(a.extinction, b.extinction, share), mixed(a.direction, b.direction, share),
+            mixed(a.frequency, b.frequency, share), mixed(a.phase, b.phase, share)};
+}
+
+/// Mixed as functions: of the extinction times the coefficients.
+Polynomials::Term mixed(const Polynomials::Term& a, const Polynomials::Term& b, double share) {
+    Polynomials::Term term = a;
+    term.centre = mixed(a.centre, b.centre, share);
+    term.extinction = 1;
+    term.coefficients.assign(std::max(a.coefficients.size(), b.coefficients.size()), 0);
+    for (std::size_t k = 0; k < a.coefficients.size(); ++k)
+        term.coefficients[k] += (1 - share) * a.extinction * a.coefficients[k];
+    for (std::size_t k = 0; k < b.coefficients.size(); ++k)
+        term.coefficients[k] += share * b.extinction * b.coefficients[k];
+    return term;
+}
+
+Potentials::Object mixed(const Potentials::Object& a, const Potentials::Object& b, double share) {
+    return {a.kind,
+            mixed(a.from, b.from, share),
+            mixed(a.to, b.to, share),
+            mixed(a.radius, b.radius, share),
+            mixed(a.extinction, b.extinction, share),
+            mixed(a.reach, b.reach, share)};
+}
+
+/// Of as many parts.
+template <class Part>
+std::vector<Part> mixed(const std::vector<Part>& a, const std::vector<Part>& b, double share) {
+    std::vector<Part> parts;
+    for (std::size_t i = 0; i < a.size(); ++i) parts.push_back(mixed(a[i], b[i], share));
+    return parts;
+}
+
+AxisTable mixed(const AxisTable& a, const AxisTable& b, double share) {
+    return {mixed(a.values, b.values, share), mixed(a.begin, b.begin, share),
+            mixed(a.end, b.end, share), a.repeat};
 }
 
 Halfspace mixed(const Halfspace& a, const Halfspace& b, double share) {
@@ -29,11 +75,7 @@ Halfspace mixed(const Halfspace& a, const Halfspace& b, double share) {
 }
 
 Ramp mixed(const Ramp& a, const Ramp& b, double share) {
-    Ramp fog = a;
-    for (std::size_t i = 0; i < a.points.size(); ++i)
-        fog.points[i] = {mixed(a.points[i].y, b.points[i].y, share),
-                         mixed(a.points[i].extinction, b.points[i].extinction, share)};
-    return fog;
+    return {mixed(a.points, b.points, share)};
 }
 
 ExponentialLayer mixed(const ExponentialLayer& a, const ExponentialLayer& b, double share) {
@@ -42,58 +84,21 @@ ExponentialLayer mixed(const ExponentialLayer& a, const ExponentialLayer& b, dou
 }
 
 Cosines mixed(const Cosines& a, const Cosines& b, double share) {
-    Cosines fog = a;
-    fog.extinction = mixed(a.extinction, b.extinction, share);
-    for (std::size_t i = 0; i < a.waves.size(); ++i) {
-        const auto &from = a.waves[i], &to = b.waves[i];
-        fog.waves[i] = {mixed(from.extinction, to.extinction, share),
-                        mixed(from.direction, to.direction, share),
-                        mixed(from.frequency, to.frequency, share),
-                        mixed(from.phase, to.phase, share)};
-    }
-    return fog;
+    return {mixed(a.extinction, b.extinction, share), mixed(a.waves, b.waves, share)};
 }
 
 Polynomials mixed(const Polynomials& a, const Polynomials& b, double share) {
-    Polynomials fog = a;
-    for (std::size_t i = 0; i < a.terms.size(); ++i) {
-        const auto &from = a.terms[i], &to = b.terms[i];
-        auto& term = fog.terms[i];
-        term.centre = mixed(from.centre, to.centre, share);
-        term.extinction = 1;
-        term.coefficients.assign(std::max(from.coefficients.size(), to.coefficients.size()), 0);
-        for (std::size_t k = 0; k < from.coefficients.size(); ++k)
-            term.coefficients[k] += (1 - share) * from.extinction * from.coefficients[k];
-        for (std::size_t k = 0; k < to.coefficients.size(); ++k)
-            term.coefficients[k] += share * to.extinction * to.coefficients[k];
-    }
-    return fog;
+    return {mixed(a.terms, b.terms, share)};
 }
 
 Potentials mixed(const Potentials& a, const Potentials& b, double share) {
-    Potentials fog = a;
-    fog.extinction = mixed(a.extinction, b.extinction, share);
-    for (std::size_t i = 0; i < a.objects.size(); ++i) {
-        const auto &from = a.objects[i], &to = b.objects[i];
-        fog.objects[i] = {from.kind,
-                          mixed(from.from, to.from, share),
-                          mixed(from.to, to.to, share),
-                          mixed(from.radius, to.radius, share),
-                          mixed(from.extinction, to.extinction, share),
-                          mixed(from.reach, to.reach, share)};
-    }
-    return fog;
+    return {mixed(a.extinction, b.extinction, share), mixed(a.objects, b.objects, share)};
 }
 
 Separable mixed(const Separable& a, const Separable& b, double share) {
-    Separable fog = a;
-    fog.extinction = mixed(a.extinction, b.extinction, share);
-    for (std::size_t i = 0; i < a.axes.size(); ++i) {
-        fog.axes[i].begin = mixed(a.axes[i].begin, b.axes[i].begin, share);
-        fog.axes[i].end = mixed(a.axes[i].end, b.axes[i].end, share);
-        for (std::size_t k = 0; k < a.axes[i].values.size(); ++k)
-            fog.axes[i].values[k] = mixed(a.axes[i].values[k], b.axes[i].values[k], share);
-    }
+    Separable fog{mixed(a.extinction, b.extinction, share), {}, a.integral};
+    for (std::size_t i = 0; i < a.axes.size(); ++i)
+        fog.axes[i] = mixed(a.axes[i], b.axes[i], share);
     return fog;
 }
 
@@ -197,15 +202,8 @@ std::vector<FogModel> models_at(std::vector<FogModel> models,
     for (std::size_t i = 0; i < std::min(models.size(), motions.size()); ++i) {
         const auto& keys = motions[i].shapes;
         if (!keys.empty()) {
-            const auto after = std::upper_bound(
-                keys.begin(), keys.end(), seconds,
-                [](double time, const ModelMotion::Key& key) { return time < key.seconds; });
-            const auto next = static_cast<std::size_t>(after - keys.begin());
-            const auto &a = keys[next == 0 ? 0 : next - 1],
-                       &b = keys[std::min(next, keys.size() - 1)];
-            models[i] = &a == &b ? a.shape
-                                 : interpolate(a.shape, b.shape,
-                                               (seconds - a.seconds) / (b.seconds - a.seconds));
+            const auto [a, b, share] = detail::between_keys(keys, seconds);
+            models[i] = a == b ? keys[a].shape : interpolate(keys[a].shape, keys[b].shape, share);
         }
         const Eigen::Vector2d offset = motions[i].wind.offset(seconds);
         models[i] = moved(models[i], {offset.x(), 0, offset.y()});
