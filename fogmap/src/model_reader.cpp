@@ -22,9 +22,14 @@ double number_or(const JsonValue& value, const char* key, double otherwise) {
     return found ? found->number() : otherwise;
 }
 
+/// The value has no keys but these and those that every formula or shape may have.
+void only(const JsonValue& value, std::vector<std::string_view> keys) {
+    keys.insert(keys.begin(), {"time", "model", "wind", "channels"});
+    value.only(keys);
+}
+
 Halfspace read_halfspace(const JsonValue& value) {
-    value.only({"time", "model", "wind", "channels", "normal", "point", "extinction", "gradient",
-                "fraction", "start"});
+    only(value, {"normal", "point", "extinction", "gradient", "fraction", "start"});
     if (!value.find("extinction") && !value.find("gradient"))
         value.fail(
             "needs \"extinction\" (1/m), \"gradient\" (1/m for each metre of depth), or both");
@@ -44,7 +49,7 @@ Halfspace read_halfspace(const JsonValue& value) {
 FogModel read_layers(const JsonValue& value) {
     switch (value.key("profile").choice({"ramp", "exponential", "table", "depth"})) {
         case 0: {
-            value.only({"time", "model", "wind", "channels", "profile", "points"});
+            only(value, {"profile", "points"});
             Ramp fog;
             for (const JsonValue& point : value.key("points").items()) {
                 const auto v = point.numbers(2);
@@ -53,18 +58,17 @@ FogModel read_layers(const JsonValue& value) {
             return fog;
         }
         case 2:
-            value.only({"time", "model", "wind", "channels", "profile", "extinction", "y"});
+            only(value, {"profile", "extinction", "y"});
             return Separable{value.key("extinction").number(),
                              {AxisTable{}, read_axis(value.key("y")), AxisTable{}},
                              Separable::Integral::exact};
         case 1:
-            value.only(
-                {"time", "model", "wind", "channels", "profile", "extinction", "base", "scale"});
+            only(value, {"profile", "extinction", "base", "scale"});
             return ExponentialLayer{value.key("extinction").number(), value.key("base").number(),
                                     value.key("scale").number()};
         default:
             // Denser with depth, as water is: a halfspace whose plane is level.
-            value.only({"time", "model", "wind", "channels", "profile", "surface", "gradient"});
+            only(value, {"profile", "surface", "gradient"});
             return Halfspace{{0, 1, 0},
                              {0, value.key("surface").number(), 0},
                              0,
@@ -73,7 +77,7 @@ FogModel read_layers(const JsonValue& value) {
 }
 
 Cosines read_cosines(const JsonValue& value) {
-    value.only({"time", "model", "wind", "channels", "extinction", "waves"});
+    only(value, {"extinction", "waves"});
     Cosines fog;
     fog.extinction = value.key("extinction").number();
     for (const JsonValue& wave : value.key("waves").items()) {
@@ -85,7 +89,7 @@ Cosines read_cosines(const JsonValue& value) {
 }
 
 Polynomials read_polynomials(const JsonValue& value) {
-    value.only({"time", "model", "wind", "channels", "polynomials"});
+    only(value, {"polynomials"});
     Polynomials fog;
     for (const JsonValue& item : value.key("polynomials").items()) {
         item.only({"extinction", "coefficients", "direction", "centre", "half_width", "outside"});
@@ -133,7 +137,7 @@ Potentials::Object read_object(const JsonValue& value) {
 }
 
 Potentials read_potentials(const JsonValue& value) {
-    value.only({"time", "model", "wind", "channels", "extinction", "objects"});
+    only(value, {"extinction", "objects"});
     Potentials fog;
     fog.extinction = number_or(value, "extinction", 0);
     for (const JsonValue& object : value.key("objects").items())
@@ -142,7 +146,7 @@ Potentials read_potentials(const JsonValue& value) {
 }
 
 Separable read_separable(const JsonValue& value) {
-    value.only({"time", "model", "wind", "channels", "extinction", "integral", "x", "y", "z"});
+    only(value, {"extinction", "integral", "x", "y", "z"});
     Separable fog;
     fog.extinction = value.key("extinction").number();
     if (const auto integral = value.find("integral"))
@@ -173,15 +177,6 @@ FogModel read_unchecked(const JsonValue& fog, const JsonValue& value) {
     }
 }
 
-}  // namespace
-
-Channels read_channels(const JsonValue& value) {
-    const auto v = value.numbers(3);
-    return {v[0], v[1], v[2]};
-}
-
-namespace {
-
 FogModel read_shape(const JsonValue& fog, const JsonValue& shape) {
     FogModel model = read_unchecked(fog, shape);
     if (const auto channels = fog.find("channels")) model.channels = read_channels(*channels);
@@ -190,6 +185,11 @@ FogModel read_shape(const JsonValue& fog, const JsonValue& shape) {
 }
 
 }  // namespace
+
+Channels read_channels(const JsonValue& value) {
+    const auto v = value.numbers(3);
+    return {v[0], v[1], v[2]};
+}
 
 FogModel read_model(const JsonValue& value) {
     if (value.find("time")) value.fail("time belongs to the entries of \"shapes\"");
