@@ -119,6 +119,13 @@ inline std::vector<FogModel> random_fractions(Random& random,
             Halfspace{tilted, offset + random_vector(random, 10), 0.01, 0.001, exp2}};
 }
 
+/// Both.
+inline std::vector<FogModel> all_models(Random& random, const Eigen::Vector3d& offset = {0, 0, 0}) {
+    auto models = random_models(random, offset);
+    for (FogModel& model : random_fractions(random, offset)) models.push_back(std::move(model));
+    return models;
+}
+
 inline std::string kind_name(const FogModel& model) {
     constexpr const char* names[] = {"halfspace",   "ramp",       "exponential", "cosines",
                                      "polynomials", "potentials", "separable"};

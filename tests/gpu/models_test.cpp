@@ -23,12 +23,6 @@ ModelsOnCpu shader_of(const std::vector<FogModel>& models) {
     return *shader;
 }
 
-std::vector<FogModel> all_models(Random& random, const Vector3d& offset = {0, 0, 0}) {
-    auto models = random_models(random, offset);
-    for (FogModel& model : random_fractions(random, offset)) models.push_back(std::move(model));
-    return models;
-}
-
 double error(const ModelsOnCpu& shader, const FogModel& model, const Segment3& s) {
     const double tau = shader.optical_depth(s.first, s.second);
     REQUIRE(std::isfinite(tau));
