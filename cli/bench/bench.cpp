@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct BenchOptions {
-    std::vector<fs::path> scenes;
+    std::vector<fs::path> scenes, maps;
     fs::path output, from, readme;
     PlanOptions plan;
     MeasureOptions measure;
@@ -51,6 +51,11 @@ Result<void> check_usage(const BenchOptions& options) {
     const bool needs_scene = !stored && !own_maps && options.plan.preset != Preset::compression;
     if (needs_scene && options.scenes.empty())
         return usage_error("bench: name a scene file, e.g. data/scenes/bench64.json");
+    if (!options.maps.empty() && options.plan.preset != Preset::scale)
+        return usage_error("bench: --map is for --preset scale; name the picture in the scene");
+    if (options.maps.size() > options.scenes.size())
+        return usage_error(fmt::format("bench: {} --map for {} scenes; give one a scene, in order",
+                                       options.maps.size(), options.scenes.size()));
     return {};
 }
 
@@ -94,8 +99,14 @@ Result<Results> measure(const BenchOptions& options) {
             results.skipped.push_back(file.string() + ": the scene has no wavelet fog to measure");
             continue;
         }
-        scenes.push_back(*std::move(scene));
         for (fs::path& named : files_of_scene(file)) files.push_back(std::move(named));
+        const auto number = std::size_t(&file - options.scenes.data());
+        if (number < options.maps.size()) {
+            if (auto ok = put_map(*scene, options.maps[number]); !ok)
+                return tl::unexpected(ok.error());
+            files.push_back(options.maps[number]);
+        }
+        scenes.push_back(*std::move(scene));
     }
     if (scenes.empty() && !results.skipped.empty())
         return data_error(results.skipped.front() + "; add one");
@@ -182,6 +193,11 @@ Command add_bench(CLI::App& root) {
     app->add_flag("--reuse", options->measure.reuse,
                   "Let method radial keep its table, as a camera at rest does (it is filled anew "
                   "each frame)");
+    app->add_option("--map", options->maps,
+                    "scale: the picture of the first scene's first map, again for the second "
+                    "scene's, and so on (the scenes')")
+        ->type_name("IMAGE")
+        ->allow_extra_args(false);
     add_context(*app, options->context);
     app->add_option("--from", options->from, "Print and draw stored results instead of measuring")
         ->type_name("results.json");
@@ -201,12 +217,15 @@ Command add_bench(CLI::App& root) {
         "map\n"
         "averaged to 16x16, 32x32 and 64x64), stability (where methods fail; needs no scene), "
         "scale\n"
-        "(the first map of each scene at 64x64 to 4096x4096, mirrored where it is smaller, from "
-        "five\n"
-        "cameras), compression (.wfog files beside image codecs that are installed, on pictures),\n"
-        "motion (what maps that change and particles cost a frame; needs no scene), resolution "
-        "(fog\n"
-        "in reduced pictures and at vertices), models (each scene's fogs beside constant fog).\n"
+        "(the first map of each scene, or a --map in its place, at 64x64 to 4096x4096, mirrored "
+        "where\n"
+        "it is smaller, from five cameras, at --size and 1920x1080), compression (.wfog files "
+        "beside\n"
+        "image codecs that are installed, on pictures), motion (what maps that change and "
+        "particles\n"
+        "cost a frame; needs no scene), resolution (fog in reduced pictures and at vertices), "
+        "models\n"
+        "(each scene's fogs beside constant fog).\n"
         "Charts need gnuplot.\n"
         "\n"
         "Example:\n"

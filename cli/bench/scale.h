@@ -1,6 +1,7 @@
 // How cost and error grow with the map: maps of 64x64 to 4096x4096 from several cameras.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -8,11 +9,14 @@
 
 namespace wavefog::cli {
 
+/// Puts a picture in place of the pixels of the scene's first fog, decomposed as they were.
+Result<void> put_map(BenchScene& scene, const std::filesystem::path& picture);
+
 /// Each scene five times: from its camera, from above, straight down, pitched and rolled.
 std::vector<BenchScene> scale_scenes(const std::vector<BenchScene>& scenes);
 
-/// The first fog of each of those scenes at every map size; `methods` empty: exact, radial, march.
-/// From the scene's own camera also at 1920x1080.
+/// The first fog of each of those scenes at every map size, at `size` (mu below 1 there alone) and
+/// 1920x1080, and from the scene's own camera at `size` with its map as Haar coefficients too.
 Result<std::vector<Group>> plan_scale(const std::vector<BenchScene>& scenes, const Size& size,
                                       const std::vector<Method>& methods,
                                       const std::vector<double>& mus);

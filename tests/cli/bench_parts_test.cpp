@@ -1,6 +1,7 @@
 // Parts of wavefog bench: result files, errors of pictures, tables, README, chart programs.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -19,6 +20,8 @@
 #include "bench/table_text.h"
 #include "bench/variant.h"
 #include "gpu/gl_support.h"
+#include "wavefog/fogmap/coarsen.h"
+#include "wavefog/fogmap/image.h"
 
 using namespace wavefog;
 using namespace wavefog::cli;
@@ -351,10 +354,49 @@ TEST_CASE("bench scale: five cameras a scene, and the worst error of all in the 
     CHECK(text.find("10.0") != std::string::npos);     // the median of 10, 15 and 5
     CHECK(text.find("15.0") != std::string::npos);     // the worst
     CHECK(text.find("3.0e-07") != std::string::npos);  // the worst error
+    rows.push_back(row("exact", 20, 1e-7));
+    rows.back().basis = "haar";
+    rows.back().p99_dT = 4e-8;
     const std::string summary = scale_summary_text(rows, false);
     CHECK(summary.find("800 wide, hill, 64²") != std::string::npos);
+    CHECK(summary.find("800 wide, hill, Haar, 64²") != std::string::npos);
+    CHECK(summary.find("1.0e-07 (4.0e-08)") != std::string::npos);
     CHECK(summary.find("10.0 (15.0)") != std::string::npos);
     CHECK(summary.find("3.0e-07") != std::string::npos);
+}
+
+TEST_CASE(
+    "bench scale: a picture in a map's place, both picture sizes, Haar from the first camera") {
+    const TempDir folder;
+    BenchScene scene{"hill", {"a.png"}, {}, {}};
+    scene.scene.camera.eye = {0, 10, 50};
+    Result<Fog> fog = make_fog(Grid<float>::Ones(8, 8), {.degree = 2, .levels = 2});
+    REQUIRE(fog);
+    fog->extinction = 0.3;
+    scene.scene.fogs = {*fog};
+    Image picture{10, 6, 1, std::vector<float>(60)};
+    for (std::size_t i = 0; i < 60; ++i) picture.pixels[i] = float(i) / 64;
+    REQUIRE(write_image(folder / "other.tif", picture));
+    REQUIRE(put_map(scene, folder / "other.tif"));
+    CHECK(scene.map_names.front() == "other.tif");
+    const Fog& put = scene.scene.fogs.front();
+    CHECK(put.degree() == 2);
+    CHECK(put.extinction == 0.3);
+    const Grid<float> map = map_of(put);
+    REQUIRE(map.rows() == 6);
+    REQUIRE(map.cols() == 10);
+    for (int j = 0; j < 6; ++j)
+        for (int i = 0; i < 10; ++i)  // the transform there and back in float
+            CHECK(std::abs(map(j, i) - picture.at(i, j, 0)) < 1e-5f);
+    CHECK(!put_map(scene, folder / "none.png"));
+
+    const auto groups = plan_scale(scale_scenes({scene}), {80, 60}, {homogeneous_method()}, {1});
+    REQUIRE(groups);
+    // Of each map size: five cameras at two picture sizes, and Haar.
+    REQUIRE(groups->size() == 4 * 11);
+    CHECK(std::count_if(groups->begin(), groups->end(), [](const Group& group) {
+              return group.variants.front().basis == "haar";
+          }) == 4);
 }
 
 TEST_CASE("bench: the truth of a pixel larger than cells is its mean, of others its middle") {

@@ -245,6 +245,10 @@ TEST_CASE("bench refuses what it cannot use and leaves no files") {
     check({"scene.json", "-o", "file"}, 1, "this is a file");
     check({"scene.json", "-o", "a/b"}, 1, "parent");
     check({"scene.json", "--preset", "fast"}, 2, "fast");
+    check({"scene.json", "--map", "map.png"}, 2, "--preset scale");
+    check({"scene.json", "--preset", "scale", "--map", "a.png", "--map", "b.png"}, 2,
+          "2 --map for 1 scenes");
+    check({"scene.json", "--preset", "scale", "--map", "none.png"}, 1, "none.png");
     check({"scene.json", "--methods", "exact,magic"}, 2, "magic");
     check({"scene.json", "--methods", "reference"}, 2, "reference");
     check({"scene.json", "--mu", "1,3"}, 2, "3");
