@@ -48,7 +48,7 @@ Result<void> replace_fogs(const std::vector<std::filesystem::path>& files, Scene
 
 Result<Scene> load_grey_scene(const std::filesystem::path& file) {
     Result<Scene> scene = load_scene(file);
-    if (scene && coloured(scene->fogs, scene->models))
+    if (scene && coloured(scene->fogs, scene->models, channels_of(scene->particles)))
         return data_error(file.string() +
                           ": a fog has \"channels\", and errors are measured for one colour; "
                           "remove the key to measure");

@@ -24,7 +24,7 @@ struct FogsAt {
     std::vector<Particle> particles;
     std::optional<Terrain> terrain;
 
-    bool coloured() const { return wavefog::coloured(fogs, models); }
+    bool coloured() const { return wavefog::coloured(fogs, models, channels_of(particles)); }
 };
 
 /// The particles of sources at a time, where ground and meshes have stopped them.

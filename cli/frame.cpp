@@ -94,9 +94,9 @@ struct FrameDrawer::Impl {
         std::vector<const FogTextures*> fogs;
         fogs.reserve(textures.size());
         for (const FogTextures& made : textures) fogs.push_back(&made);
-        Result<FogPass> made =
-            FogPass::create(gl(), fogs, scene->method, scene->fog_colour, scene->models,
-                            particles.has_value(), renderer ? &*renderer : nullptr);
+        Result<FogPass> made = FogPass::create(
+            gl(), fogs, scene->method, scene->fog_colour, scene->models,
+            wavefog::channels_of(scene->particles), renderer ? &*renderer : nullptr);
         if (!made) return tl::unexpected(made.error());
         pass = *std::move(made);
         for (auto [to, internal_format, format] :
@@ -162,7 +162,9 @@ struct FrameDrawer::Impl {
         const Image surfaces = read_texture(gl(), target.depth.name(), width, height, 1, true);
         frame.colour =
             channels_of(read_texture(gl(), target.colour.name(), width, height, 4), channels);
-        const int shown = coloured(scene->fogs, scene->models) ? 3 : 1;
+        const bool tinted =
+            coloured(scene->fogs, scene->models, wavefog::channels_of(scene->particles));
+        const int shown = tinted ? 3 : 1;
         frame.transmittance = {width, height, shown,
                                std::vector<float>(surfaces.pixels.size() * std::size_t(shown))};
         std::vector<Reference> fogs;

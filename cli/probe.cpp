@@ -121,22 +121,12 @@ Result<Depths> depths_of(const RayTable& table, const FogsAt& fogs, const Method
     for (const Fog& fog : fogs.fogs)
         if (auto ok = add(evaluator(fog, method, fogs.seconds), fog.channels); !ok)
             return tl::unexpected(ok.error());
-    // Models that all colours see alike go through the shader together, as they do in a picture.
-    std::vector<std::vector<FogModel>> groups;
-    for (const FogModel& model : fogs.models) {
-        const auto alike = std::find_if(groups.begin(), groups.end(), [&](const auto& group) {
-            return group.front().channels == model.channels;
-        });
-        if (alike == groups.end())
-            groups.push_back({model});
-        else
-            alike->push_back(model);
-    }
-    for (const auto& group : groups)
+    // What all colours see alike goes through the shader together, as it does in a picture.
+    for (const auto& group : by_channels(fogs.models))
         if (auto ok = add(evaluator(group, method), group.front().channels); !ok)
             return tl::unexpected(ok.error());
-    if (!fogs.particles.empty())
-        if (auto ok = add(evaluator(fogs.particles, method), kAllChannels); !ok)
+    for (const auto& group : by_channels(fogs.particles))
+        if (auto ok = add(evaluator(group, method), group.front().channels); !ok)
             return tl::unexpected(ok.error());
     return depths;
 }

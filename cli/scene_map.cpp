@@ -17,7 +17,9 @@ using Eigen::Vector3d;
 /// Particles by the squares of the ground that they dim vertical rays of.
 class ParticleColumns {
   public:
-    explicit ParticleColumns(const std::vector<Particle>& particles) {
+    /// Depths are those of one `channel`, or before channels.
+    ParticleColumns(const std::vector<Particle>& particles, std::optional<int> channel)
+        : channel_(channel) {
         if (particles.empty()) return;
         double area = 0;
         for (const Particle& p : particles) {
@@ -43,7 +45,9 @@ class ParticleColumns {
     double optical_depth(const Vector3d& low, const Vector3d& high) const {
         const int i = index(low.x(), low_.x()), j = index(low.z(), low_.z());
         if (lists_.empty() || i < 0 || j < 0 || i >= across_ || j >= down_) return 0;
-        return wavefog::optical_depth(lists_[std::size_t(j * across_ + i)], low, high);
+        const std::vector<Particle>& near = lists_[std::size_t(j * across_ + i)];
+        return channel_ ? channel_depths(near, low, high)[*channel_]
+                        : wavefog::optical_depth(near, low, high);
     }
     const Vector3d& low() const { return low_; }
     const Vector3d& high() const { return high_; }
@@ -53,6 +57,7 @@ class ParticleColumns {
         return static_cast<int>(std::clamp(std::floor((place - from) / square_), -1.0, 1e6));
     }
 
+    std::optional<int> channel_;
     Vector3d low_ = Vector3d::Constant(std::numeric_limits<double>::infinity());
     Vector3d high_ = -low_;
     double square_ = 1;
@@ -182,7 +187,7 @@ Grid<float> draw(const SceneColumn& column, const Rect& rect, const SceneMapOpti
 }  // namespace
 
 Result<Grid<float>> scene_map(const FogsAt& fogs, const SceneMapOptions& options, Facts& facts) {
-    const ParticleColumns particles(fogs.particles);
+    const ParticleColumns particles(fogs.particles, options.channel);
     const auto heights = heights_of(fogs, particles, options);
     if (!heights) return tl::unexpected(heights.error());
     const Result<Rect> rect = rect_of(fogs, particles, options);

@@ -78,6 +78,8 @@ layout(std140) uniform ViewBlock {
     vec4 depth1[3];      // the same at depth 1
     vec4 ray_high[3];    // perspective: the ray's direction is [0] x + [1] y + [2], x and y twice the
     vec4 ray_low[3];     // pixel less the size; the sum of both, the first without any rounding
+    vec4 depth_line;     // perspective: a surface lies 1 / (a + b depth) times its ray's direction
+                         // away; a = x + y, b = z + w, in two parts each
     vec4 fog_colour;     // rgb, linear
     ivec4 samples;       // x: N of march:N
     vec4 channels;       // rgb: how much of this fog each sees (FOG_CHANNELS)

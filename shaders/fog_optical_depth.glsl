@@ -50,12 +50,12 @@ float fog_sky_limit() {
 
 // From eye + start to eye + start + path, `metres` apart. `sky`: nothing ends the ray. A halfspace knows
 // the path better by its pixel (place, scale: fog_models.glsl), particles are listed by pixels.
-float fog_optical_depth(vec3 start, vec3 path, float metres, bool sky, vec3 place, float scale,
+float fog_optical_depth(vec3 start, vec3 path, float metres, bool sky, vec3 place, vec2 reach,
                         ivec2 pixel) {
 #if FOG_METHOD == FOG_METHOD_MODELS
-    float tau = fog_models(start, path, metres, place, scale);
+    float tau = fog_models(start, path, metres, place, reach.x);
 #ifdef FOG_PARTICLES
-    tau += fog_particles(pixel, start, path, metres, place, scale);
+    tau += fog_particles(pixel, start, path, metres, place, reach);
 #endif
     return tau;
 #elif FOG_METHOD == FOG_METHOD_HOMOGENEOUS

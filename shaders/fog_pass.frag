@@ -25,7 +25,7 @@ float pixel_optical_depth(vec2 pixel, float depth) {
     vec3 start = vec3(0.0f);
     vec3 path;
     vec3 shared_place = vec3(0.0f);
-    float per_direction = 0.0f;
+    vec2 reach = vec2(0.0f);
     if (view.pixel.w != 0.0f) {
         vec2 ndc = place / view.pixel.xy;
         vec4 front = view.depth0[0] * ndc.x + view.depth0[1] * ndc.y + view.depth0[2];
@@ -41,18 +41,21 @@ float pixel_optical_depth(vec2 pixel, float depth) {
         vec3 high = view.ray_high[0].xyz * place.x + view.ray_high[1].xyz * place.y + view.ray_high[2].xyz;
         vec3 low = view.ray_low[0].xyz * place.x + view.ray_low[1].xyz * place.y + view.ray_low[2].xyz;
         shared_place = vec3(place, 1.0f);
-        per_direction =
+        reach.x =
             sky ? 1.0f : 1.0f / (view.depth0[2].w * (1.0f - depth) + view.depth1[2].w * depth);
-        path = (high + low) * per_direction;
+#ifdef FOG_PARTICLES
+        reach.y = sky ? 0.0f : particle_reach_rest(reach.x, depth);
+#endif
+        path = (high + low) * reach.x;
     }
     float metres = length(path);
     if (sky) {
         float farthest = fog_sky_limit();
         path *= farthest / metres;
-        per_direction = farthest / metres;
+        reach.x = farthest / metres;
         metres = farthest;
     }
-    return fog_optical_depth(start, path, metres, sky, shared_place, per_direction, ivec2(pixel));
+    return fog_optical_depth(start, path, metres, sky, shared_place, reach, ivec2(pixel));
 }
 
 void main() {

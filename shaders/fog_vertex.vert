@@ -40,6 +40,6 @@ void main() {
             start = (view.pixel.z == 0.0f ? back : front).xyz;
         }
         vec3 path = from_eye - start;
-        vertex_tau = fog_optical_depth(start, path, length(path), false, vec3(0.0f), 0.0f, ivec2(0));
+        vertex_tau = fog_optical_depth(start, path, length(path), false, vec3(0.0f), vec2(0.0f), ivec2(0));
     }
 }

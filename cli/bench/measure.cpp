@@ -275,8 +275,9 @@ Result<FogPass> Measurement::make_pass(const Group& group, const Case& one,
                                drawn.scene.fog_colour);
     }
     const bool with_particles = !drawn.particles.empty();
-    Result<FogPass> pass = FogPass::create(context_.gl(), fogs, one.method, drawn.scene.fog_colour,
-                                           drawn.scene.models, with_particles, &renderer);
+    Result<FogPass> pass =
+        FogPass::create(context_.gl(), fogs, one.method, drawn.scene.fog_colour, drawn.scene.models,
+                        channels_of(drawn.particles), &renderer);
     if (pass && with_particles)
         if (auto ok = pass->set_particles(drawn.particles); !ok) return tl::unexpected(ok.error());
     return pass;

@@ -131,7 +131,7 @@ Result<void> study_particles(const Gl& gl, double seconds, Facts& rows) {
     };
     std::vector<Drifting> all;
     for (const int count : kCounts) {
-        Result<FogPass> pass = FogPass::create(gl, {}, {}, {1, 1, 1}, {}, true);
+        Result<FogPass> pass = FogPass::create(gl, {}, {}, {1, 1, 1}, {}, {kAllChannels});
         if (!pass) return tl::unexpected(pass.error());
         std::vector<ParticleSource> sources;
         if (count > 0) sources.push_back(drifting(count));

@@ -34,21 +34,28 @@ class Draws {
     std::uint64_t state_;
 };
 
-double opacity_along(const Particle& particle, const Vector3d& o, const Vector3d& path,
-                     double square) {
+/// -log of one particle's clarity.
+double depth_along(const Particle& particle, const Vector3d& o, const Vector3d& path) {
     const Vector3d w = particle.position - o;
+    const double square = path.squaredNorm();
     const double t = square > 0 ? std::clamp(w.dot(path) / square, 0.0, 1.0) : 0;
-    return particle.opacity * std::max(1 - (w - t * path).norm() / particle.radius, 0.0);
+    const double near = std::max(1 - (w - t * path).norm() / particle.radius, 0.0);
+    return -std::log1p(-particle.opacity * near);
 }
 
 }  // namespace
 
 double optical_depth(const std::vector<Particle>& particles, const Vector3d& o, const Vector3d& p) {
-    const Vector3d path = p - o;
-    const double square = path.squaredNorm();
     double sum = 0;
+    for (const Particle& particle : particles) sum += depth_along(particle, o, p - o);
+    return sum;
+}
+
+Eigen::Array3d channel_depths(const std::vector<Particle>& particles, const Vector3d& o,
+                              const Vector3d& p) {
+    Eigen::Array3d sum = Eigen::Array3d::Zero();
     for (const Particle& particle : particles)
-        sum -= std::log1p(-opacity_along(particle, o, path, square));
+        sum += depth_along(particle, o, p - o) * Eigen::Array3d(particle.channels.data());
     return sum;
 }
 
@@ -81,7 +88,7 @@ Result<void> ParticleSource::validate() const {
             "rate is {}: with life[1] = {} steps of {} s that is {:.0f} particles; {} are the most",
             rate, life[1], step, most(), kMostParticles));
     if (auto ok = wind.validate(); !ok) return data_error("wind" + ok.error().message);
-    return {};
+    return wavefog::validate(channels);
 }
 
 ParticleSystem::ParticleSystem(std::vector<ParticleSource> sources, Obstacle obstacle)
@@ -151,7 +158,7 @@ const std::vector<Particle>& ParticleSystem::at(double seconds) {
             const double spent = age / state.life;
             particles_.push_back({state.position,
                                   source.radius[0] + spent * (source.radius[1] - source.radius[0]),
-                                  source.opacity * (1 - spent)});
+                                  source.opacity * (1 - spent), source.channels});
         }
     }
     return particles_;

@@ -2,11 +2,13 @@
 
 #include <numbers>
 
+#include "model_reader.h"
+
 namespace wavefog::detail {
 
 ParticleSource read_particles(const JsonValue& value) {
     value.only({"model", "source", "position", "area", "direction", "spread_deg", "speed", "rate",
-                "life", "step", "radius", "opacity", "lift", "drag", "wind", "seed"});
+                "life", "step", "radius", "opacity", "lift", "drag", "wind", "seed", "channels"});
     ParticleSource source;
     // Lives and opacities of paper 003.
     if (value.key("source").choice({"fog", "smoke"}) == 1) {
@@ -38,6 +40,7 @@ ParticleSource read_particles(const JsonValue& value) {
     if (const auto wind = value.find("wind")) source.wind = read_wind(*wind);
     if (const auto seed = value.find("seed"))
         source.seed = static_cast<std::uint64_t>(seed->integer(0, 1 << 30));
+    if (const auto channels = value.find("channels")) source.channels = read_channels(*channels);
     if (const auto ok = source.validate(); !ok) value.fail(ok.error().message);
     return source;
 }

@@ -279,10 +279,12 @@ Result<Camera> find_camera(const Scene& scene, const std::string& name) {
         fmt::format("no camera \"{}\"; choose one of: {}; or none for the main one", name, names));
 }
 
-bool coloured(const std::vector<Fog>& fogs, const std::vector<FogModel>& models) {
-    const auto tinted = [](const auto& fog) { return fog.channels != kAllChannels; };
-    return std::any_of(fogs.begin(), fogs.end(), tinted) ||
-           std::any_of(models.begin(), models.end(), tinted);
+bool coloured(const std::vector<Fog>& fogs, const std::vector<FogModel>& models,
+              const std::vector<Channels>& particles) {
+    for (const auto& found : {channels_of(fogs), channels_of(models), particles})
+        for (const Channels& channels : found)
+            if (channels != kAllChannels) return true;
+    return false;
 }
 
 Result<SceneFogs> load_fogs(const fs::path& file, LoadNotes* notes) {

@@ -47,19 +47,18 @@ constexpr BindingOf kBlocks[] = {{"FogBlock", kFogBinding},
                                  {"PaperBlock", kPaperBinding},
                                  {"RadialBlock", kRadialBinding}};
 
-/// Models that the colours see alike, in the order in which they first come.
-std::vector<std::vector<FogModel>> by_channels(std::vector<FogModel> models, bool with_particles) {
-    std::vector<std::vector<FogModel>> groups;
-    // All colours see particles alike; they are drawn with the first group.
-    if (with_particles) groups.emplace_back();
-    for (FogModel& model : models) {
-        const auto same = std::find_if(groups.begin(), groups.end(), [&](const auto& group) {
-            return channels_of(group) == model.channels;
+/// What the colours see alike is drawn together: particles of these channels, and models.
+std::vector<ModelGroup> groups_of(std::vector<FogModel> models,
+                                  const std::vector<Channels>& particles) {
+    std::vector<ModelGroup> groups;
+    for (const Channels& channels : particles) groups.push_back({channels, {}, true});
+    for (std::vector<FogModel>& alike : by_channels(std::move(models))) {
+        const Channels channels = alike.front().channels;
+        auto same = std::find_if(groups.begin(), groups.end(), [&](const ModelGroup& group) {
+            return group.channels == channels;
         });
-        if (same == groups.end())
-            groups.push_back({std::move(model)});
-        else
-            same->push_back(std::move(model));
+        if (same == groups.end()) same = groups.insert(same, {channels, {}, false});
+        same->models = std::move(alike);
     }
     return groups;
 }
@@ -123,7 +122,7 @@ struct FogPass::Impl {
     std::optional<RadialTables> radial;   ///< with method radial
     std::optional<FroxelVolume> froxels;  ///< draws instead of all this
     std::vector<ModelPass> models;        ///< draw last; one for each set of channels
-    bool with_particles = false;          ///< in the first of them
+    std::vector<Channels> particles;      ///< of those to come
     bool coloured = false;
     std::optional<SampledFog> sampled;        ///< unless every pixel has its own fog
     const SceneRenderer* vertices = nullptr;  ///< of the scene, where fog is computed at them
@@ -302,23 +301,23 @@ FogPass::~FogPass() = default;
 
 Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fogs,
                                 const Method& method, const Eigen::Vector3d& fog_colour,
-                                std::vector<FogModel> models, bool with_particles,
+                                std::vector<FogModel> models,
+                                const std::vector<Channels>& particles,
                                 const SceneRenderer* scene) {
     if (method.kind == MethodKind::reference)
         return usage_error(
             "method reference runs on the CPU (class Reference); the fog pass draws "
             "exact, radial, paper, paper-scaling, march:N, froxel:XxYxZ or homogeneous");
     auto impl = std::make_unique<Impl>(gl, std::move(fogs), method, fog_colour);
-    impl->with_particles = with_particles;
-    const auto groups = by_channels(std::move(models), with_particles);
-    impl->coloured = groups.size() > 1;
-    for (const auto& group : groups)
-        impl->coloured = impl->coloured || channels_of(group) != kAllChannels;
+    impl->particles = particles;
+    const std::vector<ModelGroup> groups = groups_of(std::move(models), particles);
+    for (const ModelGroup& group : groups)
+        impl->coloured = impl->coloured || group.channels != kAllChannels;
     for (const FogTextures* fog : impl->fogs)
         impl->coloured = impl->coloured || fog->impl_->facts.channels != kAllChannels;
     if (auto ok = check_sampling(method); !ok) return tl::unexpected(ok.error());
     if (method.sampling.vertices) {
-        if (with_particles)
+        if (!particles.empty())
             return usage_error(
                 fmt::format("method {}: particles are listed by pixels of the screen; use a "
                             "reduced picture such "
@@ -336,10 +335,10 @@ Result<FogPass> FogPass::create(const Gl& gl, std::vector<const FogTextures*> fo
         if (!sampled) return tl::unexpected(sampled.error());
         impl->sampled.emplace(std::move(*sampled));
     }
-    for (const auto& group : groups) {
+    for (const ModelGroup& group : groups) {
         const bool first = impl->models.empty();
         auto pass = ModelPass::create(gl, group, !impl->fogs.empty() || !first, impl->coloured,
-                                      fog_colour, with_particles && first, impl->vertices);
+                                      fog_colour, impl->vertices);
         if (!pass) return tl::unexpected(pass.error());
         impl->models.push_back(std::move(*pass));
     }
@@ -409,18 +408,41 @@ Result<void> FogPass::set_views(const std::vector<FogView>& views) {
 }
 
 Result<void> FogPass::set_models(std::vector<FogModel> models) {
-    const auto groups = by_channels(std::move(models), impl_->with_particles);
-    if (groups.size() != impl_->models.size())
+    std::vector<ModelGroup> groups = groups_of(std::move(models), impl_->particles);
+    std::vector<ModelPass>& passes = impl_->models;
+    const auto other = [&] {
         return usage_error(
             "the fog pass was made with formulas of other channels or without; make a new one");
-    for (std::size_t i = 0; i < groups.size(); ++i)
-        if (auto ok = impl_->models[i].set_models(groups[i]); !ok) return ok;
+    };
+    if (groups.size() != passes.size()) return other();
+    for (ModelGroup& group : groups) {
+        const auto pass = std::find_if(passes.begin(), passes.end(), [&](const ModelPass& made) {
+            return made.channels() == group.channels;
+        });
+        if (pass == passes.end()) return other();
+        if (auto ok = pass->set_models(std::move(group.models)); !ok) return ok;
+    }
     return {};
 }
 
 Result<void> FogPass::set_particles(std::vector<Particle> particles) {
-    if (impl_->with_particles) return impl_->models.front().set_particles(std::move(particles));
-    return usage_error("the fog pass was made without particles; make one with them");
+    const std::vector<std::vector<Particle>> groups = by_channels(std::move(particles));
+    for (const auto& group : groups)
+        if (std::find(impl_->particles.begin(), impl_->particles.end(), group.front().channels) ==
+            impl_->particles.end())
+            return usage_error(
+                "the fog pass was made without particles, or for those of other channels; make a "
+                "new one");
+    for (ModelPass& pass : impl_->models) {
+        if (!pass.with_particles()) continue;
+        const auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& alike) {
+            return alike.front().channels == pass.channels();
+        });
+        // Those of a source may all have died.
+        auto ok = pass.set_particles(group == groups.end() ? std::vector<Particle>{} : *group);
+        if (!ok) return ok;
+    }
+    return {};
 }
 
 Result<void> FogPass::fogs_changed() {

@@ -156,6 +156,10 @@ shader::ViewBlock view_block(const CameraMatrices& matrices, const Camera& camer
     }
     block.depth0[2] = to_vec4(at0);
     block.depth1[2] = to_vec4(at1);
+    const double per_depth = from_clip(3, 2);
+    const auto high = [](double value) { return static_cast<double>(static_cast<float>(value)); };
+    block.depth_line = to_vec4(
+        {high(at0.w()), at0.w() - high(at0.w()), high(per_depth), per_depth - high(per_depth)});
     block.fog_colour = {static_cast<float>(fog_colour.x()), static_cast<float>(fog_colour.y()),
                         static_cast<float>(fog_colour.z()), 1};
     block.samples = {samples, 0, 0, 0};

@@ -44,13 +44,10 @@ class Writer {
   public:
     using Split = std::function<SplitSum(const Vector3d&)>;
 
-    Writer(const Vector3d& eye, double sky_limit, const Split& split) : eye_(eye), split_(split) {
+    Writer(const Channels& channels, const Vector3d& eye, double sky_limit, const Split& split)
+        : eye_(eye), split_(split) {
         block_.limit.x = static_cast<float>(sky_limit);
-    }
-
-    void see(const Channels& channels) {
-        block_.limit.z =
-            std::max(block_.limit.z, static_cast<float>(kStopOpticalDepth / least_share(channels)));
+        block_.limit.z = static_cast<float>(kStopOpticalDepth / least_share(channels));
     }
 
     void add(const Halfspace& fog) {
@@ -241,11 +238,10 @@ ModelTables model_tables(const std::vector<FogModel>& models) {
     return tables;
 }
 
-shader::ModelBlock model_block(const std::vector<FogModel>& models, const Eigen::Vector3d& eye,
-                               double sky_limit,
+shader::ModelBlock model_block(const std::vector<FogModel>& models, const Channels& channels,
+                               const Eigen::Vector3d& eye, double sky_limit,
                                const std::function<SplitSum(const Eigen::Vector3d&)>& split) {
-    Writer writer(eye, sky_limit, split);
-    for (const FogModel& model : models) writer.see(model.channels);
+    Writer writer(channels, eye, sky_limit, split);
     for (const FogModel& model : models)
         std::visit([&](const auto& fog) { writer.add(fog); }, model);
     return writer.block();

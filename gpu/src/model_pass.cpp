@@ -27,9 +27,10 @@ Result<Program> make_program(const Gl& gl, std::vector<std::string> defines, boo
 
 }  // namespace
 
-ModelPass::ModelPass(const Gl& gl, bool after_maps, bool coloured,
+ModelPass::ModelPass(const Gl& gl, const Channels& channels, bool after_maps, bool coloured,
                      const Eigen::Vector3d& fog_colour)
     : gl_(&gl),
+      channels_(channels),
       after_maps_(after_maps),
       coloured_(coloured),
       fog_colour_(fog_colour),
@@ -39,14 +40,14 @@ ModelPass::ModelPass(const Gl& gl, bool after_maps, bool coloured,
           make_buffer(gl, GL_UNIFORM_BUFFER, sizeof(shader::ViewBlock), nullptr, GL_DYNAMIC_DRAW)),
       no_attributes_(make_vertex_array(gl)) {}
 
-Result<ModelPass> ModelPass::create(const Gl& gl, std::vector<FogModel> models, bool after_maps,
-                                    bool coloured, const Eigen::Vector3d& fog_colour,
-                                    bool with_particles, const SceneRenderer* vertices) {
-    ModelPass pass(gl, after_maps, coloured, fog_colour);
+Result<ModelPass> ModelPass::create(const Gl& gl, ModelGroup group, bool after_maps, bool coloured,
+                                    const Eigen::Vector3d& fog_colour,
+                                    const SceneRenderer* vertices) {
+    ModelPass pass(gl, group.channels, after_maps, coloured, fog_colour);
     pass.vertices_ = vertices;
-    if (with_particles) pass.particles_.emplace(gl);
-    pass.kinds_ = model_kinds(models);
-    if (auto ok = pass.set_models(std::move(models)); !ok) return tl::unexpected(ok.error());
+    if (group.with_particles) pass.particles_.emplace(gl);
+    pass.kinds_ = model_kinds(group.models);
+    if (auto ok = pass.set_models(std::move(group.models)); !ok) return tl::unexpected(ok.error());
     if (auto ok = pass.build(); !ok) return tl::unexpected(ok.error());
     return pass;
 }
@@ -110,13 +111,13 @@ void ModelPass::draw(const FrameTarget& frame, const Camera& camera, GLuint outp
     const auto split = [&](const Eigen::Vector3d& normal) {
         return split_sum(directions.transpose() * normal, frame.width, frame.height);
     };
-    auto block = model_block(models_, camera.eye, sky_limit(camera), split);
+    auto block = model_block(models_, channels_, camera.eye, sky_limit(camera), split);
     if (particles_)
         block.count_more.w = particles_->upload(camera, matrices, frame.width, frame.height);
     upload_uniforms(gl, model_uniforms_, kModelBinding, block);
-    upload_uniforms(gl, view_uniforms_, kViewBinding,
-                    view_block(matrices, camera, frame.width, frame.height, fog_colour_, 0,
-                               channels_of(models_)));
+    upload_uniforms(
+        gl, view_uniforms_, kViewBinding,
+        view_block(matrices, camera, frame.width, frame.height, fog_colour_, 0, channels_));
     gl.BindFramebuffer(GL_FRAMEBUFFER, output);
     gl.Viewport(0, 0, frame.width, frame.height);
     gl.Disable(GL_DEPTH_TEST);

@@ -12,21 +12,26 @@
 
 namespace wavefog {
 
-/// The channels that models seen alike have; without models, all.
-inline const Channels& channels_of(const std::vector<FogModel>& models) {
-    return models.empty() ? kAllChannels : models.front().channels;
-}
+/// Formulas and particles that the colours see alike.
+struct ModelGroup {
+    Channels channels = kAllChannels;
+    std::vector<FogModel> models;
+    bool with_particles = false;
+};
 
-/// Models that the colours see alike (and particles) in one draw; it comes after the maps (or other
-/// models) and blends colour once for both.
+/// A group in one draw; it comes after the maps (or other groups) and blends colour once for all.
 class ModelPass {
   public:
     /// A data error says which model is invalid, or what there is too much of. `after_maps`: a
     /// previous optical depth is added. `coloured`: depths of red, green and blue, of which these
     /// models have their channels. `vertices`: computed at those of the scene, else null.
-    static Result<ModelPass> create(const Gl& gl, std::vector<FogModel> models, bool after_maps,
-                                    bool coloured, const Eigen::Vector3d& fog_colour,
-                                    bool with_particles, const SceneRenderer* vertices);
+    static Result<ModelPass> create(const Gl& gl, ModelGroup group, bool after_maps, bool coloured,
+                                    const Eigen::Vector3d& fog_colour,
+                                    const SceneRenderer* vertices);
+
+    /// Of its models and particles.
+    const Channels& channels() const { return channels_; }
+    bool with_particles() const { return particles_.has_value(); }
 
     /// A data error as from create(). Models of a kind that was not there before cost new programs.
     Result<void> set_models(std::vector<FogModel> models);
@@ -41,11 +46,13 @@ class ModelPass {
     void draw(const FrameTarget& frame, const Camera& camera, GLuint output, bool colour);
 
   private:
-    ModelPass(const Gl& gl, bool after_maps, bool coloured, const Eigen::Vector3d& fog_colour);
+    ModelPass(const Gl& gl, const Channels& channels, bool after_maps, bool coloured,
+              const Eigen::Vector3d& fog_colour);
     /// The programs, for the kinds of models in `kinds_`.
     Result<void> build();
 
     const Gl* gl_;
+    Channels channels_;
     std::vector<FogModel> models_;
     int kinds_ = 0;  ///< MODEL_KIND_* that the programs are for
     std::optional<ParticleTextures> particles_;

@@ -25,12 +25,15 @@ double ParticlesOnCpu::optical_depth(const Eigen::Vector3d& o, const Eigen::Vect
     const float tile[] = {0, static_cast<float>(particles_.size())};
     const std::vector<float> list = particle_list(particles_, all_, o);
     shader::models.count_more.w = 1;
+    const Channels& channels = particles_.empty() ? kAllChannels : particles_.front().channels;
+    shader::models.limit.z = static_cast<float>(kStopOpticalDepth / least_share(channels));
     shader::particle_tiles = {tile, 1, 1, 2};
     shader::particle_list = {list.data(), kParticleListWidth,
                              static_cast<int>(list.size() / (4 * kParticleListWidth)), 4};
     const Eigen::Vector3d path = p - o;
     const double metres = path.norm();
     const auto vec4 = [](const Eigen::Vector3f& v) { return glm::vec4(v.x(), v.y(), v.z(), 0); };
+    const float single = static_cast<float>(metres);
     const Eigen::Vector3d direction = metres > 0 ? path / metres : path;
     // The middle pixel of a picture, which looks along the path. Not high = float(direction): at
     // -O2 GCC 12 takes direction - double(float(direction)) for 0 where it vectorises.
@@ -38,8 +41,8 @@ double ParticlesOnCpu::optical_depth(const Eigen::Vector3d& o, const Eigen::Vect
                                  double(PARTICLE_DIRECTION_STEPS);
     shader::view.ray_high[2] = vec4(high.cast<float>());
     shader::view.ray_low[2] = vec4((direction - high).cast<float>());
-    return shader::fog_particles(glm::ivec2(0), glm::vec3(0.0f), vec4(path.cast<float>()),
-                                 static_cast<float>(metres), {0, 0, 1}, static_cast<float>(metres));
+    return shader::fog_particles(glm::ivec2(0), glm::vec3(0.0f), vec4(path.cast<float>()), single,
+                                 {0, 0, 1}, {single, static_cast<float>(metres - double(single))});
 }
 
 }  // namespace wavefog

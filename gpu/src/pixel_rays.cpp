@@ -80,8 +80,7 @@ Eigen::Array3d PixelRays::channel_depths(const std::vector<Reference>& fogs, con
                                          double mu, const std::vector<FogModel>& models,
                                          const std::vector<Particle>& particles) const {
     const Eigen::Vector3d path = (ray.end - ray.origin) * (ray.sky ? sky_limit_ : 1);
-    Eigen::Array3d sum =
-        Eigen::Array3d::Constant(wavefog::optical_depth(particles, ray.origin, ray.origin + path));
+    Eigen::Array3d sum = wavefog::channel_depths(particles, ray.origin, ray.origin + path);
     const auto add = [&](const Channels& channels, double tau) {
         sum += tau * Eigen::Array3d(channels.data());
     };

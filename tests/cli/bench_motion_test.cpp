@@ -107,14 +107,19 @@ TEST_CASE("fit: particles stay in the scene, which keeps its promise with them")
 
 TEST_CASE("bench and fit refuse fog by colour channel and say why and what to do") {
     const Workspace work;
-    write_scene(work, R"(, {"model": "layers", "profile": "exponential", "extinction": 0.01,
-                            "base": 0, "scale": 5, "channels": [1, 0.5, 0]})");
-    for (const std::vector<std::string>& command :
-         {std::vector<std::string>{"bench", "scene.json"},
-          {"fit", "scene.json", "--max-error", "0.01", "-o", "small.json"}}) {
-        const RunResult run = work.run(command);
-        CHECK(run.status == 1);
-        CHECK(run.err.find("errors are measured for one colour; remove the key") !=
-              std::string::npos);
+    for (const std::string fog :
+         {R"({"model": "layers", "profile": "exponential", "extinction": 0.01, "base": 0,
+              "scale": 5)",
+          R"({"model": "particles", "source": "fog", "position": [0, 1, 0], "rate": 3,
+              "radius": [1, 2])"}) {
+        write_scene(work, ", " + fog + R"(, "channels": [1, 0.5, 0]})");
+        for (const std::vector<std::string>& command :
+             {std::vector<std::string>{"bench", "scene.json"},
+              {"fit", "scene.json", "--max-error", "0.01", "-o", "small.json"}}) {
+            const RunResult run = work.run(command);
+            CHECK(run.status == 1);
+            CHECK(run.err.find("errors are measured for one colour; remove the key") !=
+                  std::string::npos);
+        }
     }
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -334,6 +335,45 @@ TEST_CASE("probe and generate: fog by colour channel comes in three columns and 
         CHECK(generate(work, arguments)["extinction"].get<double>() ==
               doctest::Approx(0.016 + 0.025 * share).epsilon(1e-6));
     }
+}
+
+TEST_CASE("probe, generate and render: particles by colour channel, of several sources") {
+    const Workspace work;
+    const std::string whole = kSource, end = whole.substr(0, whole.rfind('}'));
+    const std::string red = end + R"(, "channels": [1, 0.5, 0]})";
+    const std::string other = end + R"(, "seed": 12, "channels": [0, 0.5, 2]})";
+    work.write_text("grey.json", scene(kSource));
+    work.write_text("red.json", scene(red));
+    work.write_text("both.json", scene(red + ", " + other));
+    const std::string rays = "0,3,40,0,3,-40\n0,0,0,0,20,0\n";
+    for (const char* method : {"reference", "exact"}) {
+        const auto grey = probe(work, "grey.json", rays, 2, {"--method", method});
+        const auto a = probe(work, "red.json", rays, 6, {"--method", method});
+        const auto both = probe(work, "both.json", rays, 6, {"--method", method});
+        CHECK(grey[0][0] > 0);
+        for (std::size_t i = 0; i < a.size(); ++i) {
+            for (std::size_t c = 0; c < 3; ++c)
+                CHECK(a[i][c] == doctest::Approx(grey[i][0] * (2 - double(c)) / 2).epsilon(1e-6));
+            CHECK(both[i][0] == doctest::Approx(a[i][0]).epsilon(1e-6));
+            CHECK(both[i][2] == doctest::Approx(4 * (both[i][1] - a[i][1])).epsilon(1e-6));
+        }
+    }
+    std::map<std::string, double> densest;
+    for (const char* channel : {"R", "G", "B"})
+        densest[channel] = generate(work, {"red.json", "-o", "m.exr", "--mean", "0,12", "--size",
+                                           "24x24", "--channel", channel})["extinction"];
+    CHECK(densest["R"] > 0);
+    CHECK(densest["G"] == doctest::Approx(densest["R"] / 2));
+    CHECK(densest["B"] == 0);
+    // The picture, by the shader and by the reference.
+    for (const char* method : {"reference", "exact"})
+        REQUIRE(work.run({"render", "both.json", "-o", "p.exr", "--method", method,
+                          "--transmittance", std::string(method) + ".exr"})
+                    .status == 0);
+    const Picture truth = read_picture(work.path("reference.exr")),
+                  drawn = read_picture(work.path("exact.exr"));
+    REQUIRE(drawn.channels == 3);
+    CHECK(largest_difference(truth, drawn) <= 6e-6);
 }
 
 TEST_CASE("generate: what makes no sense with particles and channels is refused and named") {

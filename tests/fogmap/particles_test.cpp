@@ -25,12 +25,14 @@ ParticleSource smoke() {
     source.lift = 0.2;
     source.drag = 0.5;
     source.wind.keys = {{0, 2, 0}, {7, -1, 1}};
+    source.channels = {1, 0.5, 0.25};
     return source;
 }
 
 bool same(const std::vector<Particle>& a, const std::vector<Particle>& b) {
     return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& p, const auto& q) {
-        return p.position == q.position && p.radius == q.radius && p.opacity == q.opacity;
+        return p.position == q.position && p.radius == q.radius && p.opacity == q.opacity &&
+               p.channels == q.channels;
     });
 }
 
@@ -81,6 +83,27 @@ TEST_CASE("particles: the clarity is the paper's product, whatever the ray") {
         }
         CHECK_LE(std::abs(std::exp(-optical_depth(particles, o, p)) - clarity), 1e-9);
     }
+}
+
+TEST_CASE("particles: a colour's share of them is a power of each clarity") {
+    Random random(813);
+    std::vector<Particle> particles;
+    for (int i = 0; i < 40; ++i) {
+        const double x = random.uniform(-2, 2), y = random.uniform(-2, 2);
+        particles.push_back({{x, y, random.uniform(-9, 9)}, 5, 0.9 * random.uniform()});
+        particles.back().channels = {random.uniform(), random.uniform(0, 3), 0};
+    }
+    const Vector3d o(0, 0, -12), p(1, 0, 12);
+    Eigen::Array3d clarity = Eigen::Array3d::Ones();
+    for (const Particle& one : particles)
+        for (int c = 0; c < 3; ++c)
+            clarity[c] *=
+                std::pow(std::exp(-optical_depth({one}, o, p)), one.channels[std::size_t(c)]);
+    const Eigen::Array3d depths = channel_depths(particles, o, p);
+    CHECK((Eigen::exp(-depths) - clarity).abs().maxCoeff() <= 1e-12);
+    CHECK(depths[2] == 0);
+    for (Particle& one : particles) one.channels = kAllChannels;
+    CHECK((channel_depths(particles, o, p) - optical_depth(particles, o, p)).abs().maxCoeff() == 0);
 }
 
 TEST_CASE("particles: a time's particles are the same, whatever was asked before") {

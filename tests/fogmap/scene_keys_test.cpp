@@ -39,7 +39,7 @@ const char* const kFogs[] = {
     R"({"model": "particles", "source": "smoke", "position": [1, 2, 3], "area": 1,
         "direction": [0, 1, 0], "spread_deg": 20, "speed": 1, "rate": 10, "life": [8, 16],
         "step": 0.1, "radius": [1, 2], "opacity": 0.5, "lift": 0.1, "drag": 0.2,
-        "wind": [[0, 1, 2], [3, 4, 5]], "seed": 7})",
+        "wind": [[0, 1, 2], [3, 4, 5]], "seed": 7, "channels": [1, 0.5, 0.25]})",
     R"({"model": "wavelet", "image": "map.pgm", "channel": "Y", "basis": "linear",
         "family": "2,2", "form": "wavelet", "levels": 1, "rect": [1, 2, 30, 40],
         "extinction": 0.1, "height": {"profile": "exponential", "base": 1, "scale": 2},

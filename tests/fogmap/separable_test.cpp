@@ -173,20 +173,24 @@ TEST_CASE("separable: mistakes name the key") {
     CHECK(negative.error().message.find("fog[0]: extinction is -1") != std::string::npos);
 }
 
-TEST_CASE("channels: scenes give them to maps and formulas, and mistakes name the key") {
+TEST_CASE("channels: scenes give them to maps, formulas and particles; mistakes name the key") {
     const TempDir dir;
     write_bytes(dir / "map.pgm", "P2 2 2 255\n255 0 128 64\n");
     const std::string map = R"({"model": "wavelet", "image": "map.pgm", "rect": [0, 0, 2, 2],
                                 "extinction": 1, "channels": )";
     const std::string layer = R"({"model": "layers", "profile": "depth", "surface": 1,
                                   "gradient": 1, "channels": )";
-    for (const std::string& fog : {map, layer}) {
+    const std::string source = R"({"model": "particles", "source": "fog", "position": [0, 0, 0],
+                                   "rate": 1, "radius": [1, 2], "channels": )";
+    for (const std::string& fog : {map, layer, source}) {
         const auto scene = load(dir, fog + "[1, 0.5, 0]}");
         REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message));
-        const Channels expected = {1, 0.5, 0};
-        CHECK((scene->fogs.empty() ? scene->models[0].channels : scene->fogs[0].channels) ==
-              expected);
-        CHECK(coloured(scene->fogs, scene->models));
+        const std::vector<Channels> expected = {{1, 0.5, 0}},
+                                    particles = channels_of(scene->particles);
+        CHECK((!scene->fogs.empty()     ? channels_of(scene->fogs)
+               : !scene->models.empty() ? channels_of(scene->models)
+                                        : particles) == expected);
+        CHECK(coloured(scene->fogs, scene->models, particles));
         for (const auto& [channels, message] :
              {std::pair{"[1, 1]}", "fog[0].channels: "},
               {"[0, 0, 0]}", "no colour sees the fog"},
@@ -196,7 +200,7 @@ TEST_CASE("channels: scenes give them to maps and formulas, and mistakes name th
             CHECK_MESSAGE(bad.error().message.find(message) != std::string::npos,
                           bad.error().message);
         }
+        const auto grey = load(dir, fog + "[1, 1, 1]}");
+        CHECK_FALSE(coloured(grey->fogs, grey->models, channels_of(grey->particles)));
     }
-    const auto grey = load(dir, layer + "[1, 1, 1]}");
-    CHECK_FALSE(coloured(grey->fogs, grey->models));
 }

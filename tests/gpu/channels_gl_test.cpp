@@ -19,7 +19,8 @@ struct Errors {
 };
 
 Errors draw(const Gl& gl, const Camera& camera, FogPass& pass, const std::vector<Reference>& maps,
-            const std::vector<FogModel>& models, const Eigen::Vector3d& fog_colour) {
+            const std::vector<FogModel>& models, const Eigen::Vector3d& fog_colour,
+            const std::vector<Particle>& particles = {}) {
     FogPicture picture = make_picture(gl, camera);
     pass.draw_optical_depth(picture.frame, camera, picture.target.name());
     const Image tau = read_texture(gl, picture.tau.name(), kWidth, kHeight, 4);
@@ -32,7 +33,7 @@ Errors draw(const Gl& gl, const Camera& camera, FogPass& pass, const std::vector
             const float depth =
                 picture.depth[static_cast<std::size_t>((kHeight - 1 - y) * kWidth + x)];
             const Eigen::Array3d truth =
-                rays.channel_depths(maps, rays.at(x, y, double(depth)), 1, models);
+                rays.channel_depths(maps, rays.at(x, y, double(depth)), 1, models, particles);
             for (int c = 0; c < 3; ++c) {
                 const double t = std::exp(-truth[c]);
                 errors.transmittance = std::max(errors.transmittance,
@@ -88,6 +89,53 @@ TEST_CASE("channels: maps and formulas, alone and together, with every way to dr
     REQUIRE_MESSAGE(radial.has_value(), (radial ? "" : radial.error().message));
     CHECK_LE(draw(gl, camera, *radial, reference_sets[2], model_sets[2], fog_colour).transmittance,
              5e-3);
+}
+
+TEST_CASE("channels: particles of several, few and many, with formulas and a map") {
+    const Gl& gl = osmesa().gl();
+    Random random(405);
+    const Eigen::Vector3d fog_colour(0.9, 0.5, 0.2);
+    Fog reddish = random_fog(32, 24, {.degree = 1, .levels = 2}, random);
+    reddish.channels = {0.2, 1, 2};
+    const auto map = FogTextures::create(gl, reddish);
+    REQUIRE(map.has_value());
+    FogModel layer = Ramp{{{0, 0.03}, {6, 0}}}, other = ExponentialLayer{0.01, 1, 4};
+    layer.channels = {1, 0.5, 0.04};
+    other.channels = {0, 0, 1};
+    // Blue sees so little of the first that the others' early end would show.
+    const std::vector<Channels> sets = {{1, 0.5, 0.04}, {0, 1, 0.25}, kAllChannels};
+    for (const std::size_t kinds : {std::size_t(1), std::size_t(3)})
+        for (const int count : {0, 30, 400}) {
+            CAPTURE(kinds);
+            CAPTURE(count);
+            std::vector<Particle> particles;
+            for (int i = 0; i < count; ++i) {
+                const double x = random.uniform(-30, 30), y = random.uniform(-3, 12);
+                particles.push_back({{x, y, random.uniform(-30, 30)},
+                                     random.uniform(3, 9),
+                                     (kinds == 1 ? 0.7 : 0.2) * random.uniform(),
+                                     sets[std::size_t(i) % kinds]});
+            }
+            const std::vector<Channels> to_come(sets.begin(), sets.begin() + int(kinds));
+            for (const auto& models : {std::vector<FogModel>{}, {layer, other}}) {
+                auto pass = FogPass::create(gl, {&*map}, {}, fog_colour, models, to_come);
+                REQUIRE_MESSAGE(pass.has_value(), (pass ? "" : pass.error().message));
+                CHECK(pass->coloured());
+                REQUIRE(pass->set_particles(particles).has_value());
+                for (const auto& [name, camera] : camera_cases()) {
+                    const Errors e = draw(gl, camera, *pass, {Reference(reddish)}, models,
+                                          fog_colour, particles);
+                    CAPTURE(std::string(name));
+                    CHECK_LE(e.transmittance, kMaxError);
+                    CHECK_LE(e.colour, kMaxError);
+                }
+                REQUIRE(pass->set_models(models).has_value());
+                std::vector<Particle> strange = {{{0, 0, 0}, 1, 0.5, {0.5, 0.5, 0.5}}};
+                const auto refused = pass->set_particles(strange);
+                REQUIRE_FALSE(refused.has_value());
+                CHECK(refused.error().kind == ErrorKind::usage);
+            }
+        }
 }
 
 TEST_CASE("channels: froxels err for each colour as they do for a fog seen by all alike") {

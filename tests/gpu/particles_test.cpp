@@ -70,10 +70,7 @@ TEST_CASE("particles: small and dense ones, beside rays and at their ends") {
                 (i % 3 == 0 ? ending : passing) = std::max(i % 3 == 0 ? ending : passing, e);
                 CAPTURE(radius);
                 CAPTURE(opacity);
-                // Beside the ray places are exact. Along it float32 counts to D 2^-24, twice: to
-                // the particle and to the ray's end.
-                const double along = i % 3 == 0 ? (at - o).norm() / radius * 4 * 0x1p-24 : 0;
-                CHECK_LE(e, 5e-7 + opacity * along);
+                CHECK_LE(e, kMaxError);
             }
             MESSAGE("radius ", radius, ", opacity ", opacity, ": largest |dT| of rays that pass ",
                     passing, ", that end beside it ", ending);
@@ -88,7 +85,13 @@ TEST_CASE("particles: through centres, beside ends, and where nothing is left to
         for (const double y : {0.0, 1.0, 3.0, 5.0})
             for (const double end : {-8.0, 0.0, 2.999999, 9.0})
                 CHECK_LE(error(shader, line, {{x, y, 0}, {end, y, 0}}), kMaxError);
-    // A clarity of 0.1^40: the list ends early.
-    const std::vector<Particle> wall(40, {{0, 0, 0}, 3, 0.9});
+    // A clarity of 0.1^40: the list ends early, but not for a colour that sees a share of it.
+    std::vector<Particle> wall(40, {{0, 0, 0}, 3, 0.9});
     CHECK(ParticlesOnCpu(wall).optical_depth({-9, 0, 0}, {9, 0, 0}) > 14);
+    CHECK(ParticlesOnCpu(wall).optical_depth({-9, 0, 0}, {9, 0, 0}) < 18);
+    for (const double share : {0.3, 0.05, 0.01}) {
+        for (Particle& particle : wall) particle.channels = {1, share, 0};
+        const double tau = share * ParticlesOnCpu(wall).optical_depth({-9, 0, 0}, {9, 0, 0});
+        CHECK_LE(std::abs(std::exp(-tau) - std::pow(0.1, 40 * share)), kMaxError);
+    }
 }

@@ -191,7 +191,8 @@ TEST_CASE("sampling: what makes no sense is refused") {
     const Gl& gl = osmesa().gl();
     Random random(617);
     const auto textures = FogTextures::create(gl, random_fog(8, 8, {.degree = 1}, random));
-    const auto refused = [&](const Method& method, bool particles, const char* words) {
+    const auto refused = [&](const Method& method, const std::vector<Channels>& particles,
+                             const char* words) {
         const auto pass =
             FogPass::create(gl, {&*textures}, method, {1, 1, 1}, {}, particles, nullptr);
         REQUIRE_FALSE(pass.has_value());
@@ -201,10 +202,10 @@ TEST_CASE("sampling: what makes no sense is refused") {
     Method froxel = *parse_method("froxel:8x8x8"), radial = *parse_method("radial");
     froxel.sampling.width = froxel.sampling.height = 16;
     radial.sampling.vertices = true;
-    refused(froxel, false, "froxel:8x8x8@16x16");
-    refused(radial, false, "radial@vertices");
-    refused(sampled("exact", "vertices"), true, "particles");
-    refused(sampled("exact", "vertices"), false, "no vertices");
+    refused(froxel, {}, "froxel:8x8x8@16x16");
+    refused(radial, {}, "radial@vertices");
+    refused(sampled("exact", "vertices"), {kAllChannels}, "particles");
+    refused(sampled("exact", "vertices"), {}, "no vertices");
     const auto on_cpu =
         ShaderOnCpu::create(random_fog(8, 8, {.degree = 1}, random), sampled("exact", "16x16"));
     REQUIRE_FALSE(on_cpu.has_value());

@@ -60,7 +60,7 @@ Image optical_depth(const Gl& gl, const Stage& stage, const Camera& camera,
                     const std::vector<const FogTextures*>& maps, const std::string& method,
                     const std::vector<FogModel>& models) {
     auto pass =
-        FogPass::create(gl, maps, *parse_method(method), {1, 1, 1}, models, false, &stage.renderer);
+        FogPass::create(gl, maps, *parse_method(method), {1, 1, 1}, models, {}, &stage.renderer);
     REQUIRE_MESSAGE(pass.has_value(), (pass ? "" : pass.error().message));
     pass->draw_optical_depth(stage.frame, camera, stage.target.name());
     CHECK(gl.GetError() == GL_NO_ERROR);

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "wavefog/fogmap/channels.h"
 #include "wavefog/wavelet/result.h"
 
 namespace wavefog {
@@ -119,19 +120,11 @@ struct Separable {
     Integral integral = Integral::exact;
 };
 
-/// How much of a fog's extinction red, green and blue see (paper 001, section 3.2.5). A density of
-/// its own for each channel is three fogs, each seen by one.
-using Channels = std::array<double, 3>;
-inline constexpr Channels kAllChannels = {1, 1, 1};
-
 struct FogModel
     : std::variant<Halfspace, Ramp, ExponentialLayer, Cosines, Polynomials, Potentials, Separable> {
     using variant::variant;
     Channels channels = kAllChannels;
 };
-
-/// A data error for channels that are negative, not finite, or all 0.
-Result<void> validate(const Channels& channels);
 
 /// A data error that names the field, as in the scene file: "waves[1].direction is [0, 0, 0]; ...".
 Result<void> validate(const FogModel& model);

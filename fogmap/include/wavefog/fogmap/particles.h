@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "wavefog/fogmap/channels.h"
 #include "wavefog/fogmap/wind.h"
 #include "wavefog/wavelet/result.h"
 
@@ -19,13 +20,18 @@ struct Particle {
     Eigen::Vector3d position{0, 0, 0};
     double radius = 1;   ///< metres, above 0
     double opacity = 0;  ///< at its centre: the source's, times remaining over initial life
+    Channels channels = kAllChannels;  ///< a share s makes of a clarity c what c^s lets through
 };
 
-/// -log of the clarity, the product of 1 - opacity over all particles: it adds to the optical
-/// depths of other fogs. A long segment is not fogged twice by one particle: only the least
-/// distance counts, so it is not additive over parts of a ray.
+/// -log of the clarity, the product of 1 - opacity over all particles, before `channels`: it adds
+/// to the optical depths of other fogs. A long segment is not fogged twice by one particle: only
+/// the least distance counts, so it is not additive over parts of a ray.
 double optical_depth(const std::vector<Particle>& particles, const Eigen::Vector3d& o,
                      const Eigen::Vector3d& p);
+
+/// The same as red, green and blue see it.
+Eigen::Array3d channel_depths(const std::vector<Particle>& particles, const Eigen::Vector3d& o,
+                              const Eigen::Vector3d& p);
 
 /// Sends out particles one by one, 1 / rate seconds apart, at all times.
 struct ParticleSource {
@@ -45,6 +51,7 @@ struct ParticleSource {
     double drag = 0;                        ///< 1/s: how fast it takes the wind's velocity
     Wind wind;
     std::uint64_t seed = 1;
+    Channels channels = kAllChannels;
 
     /// Most particles at a time.
     double most() const { return rate * life[1] * step; }

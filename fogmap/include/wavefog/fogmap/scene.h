@@ -138,7 +138,8 @@ Result<Scene> load_scene(const std::filesystem::path& file);
 Result<Camera> find_camera(const Scene& scene, const std::string& name);
 
 /// Whether some fog is not seen by all colours alike.
-bool coloured(const std::vector<Fog>& fogs, const std::vector<FogModel>& models);
+bool coloured(const std::vector<Fog>& fogs, const std::vector<FogModel>& models,
+              const std::vector<Channels>& particles = {});
 
 /// What a scene's "fog" holds: all of it adds up.
 struct SceneFogs {

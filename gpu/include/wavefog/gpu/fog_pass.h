@@ -49,11 +49,14 @@ struct FogView {
 class FogPass {
   public:
     /// Compiles the programs that `method` needs for these fogs (they stay the caller's). `models`
-    /// and particles are drawn alike whatever the method. `scene` has the vertices that a method
+    /// and particles are drawn alike whatever the method; `particles`: the different channels of
+    /// those to come (channels_of(their sources)), none without particles. `scene` has the vertices
+    /// that a method
     /// "@vertices" needs, and drew the frames; it must outlive the pass.
     static Result<FogPass> create(const Gl& gl, std::vector<const FogTextures*> fogs,
                                   const Method& method, const Eigen::Vector3d& fog_colour,
-                                  std::vector<FogModel> models = {}, bool with_particles = false,
+                                  std::vector<FogModel> models = {},
+                                  const std::vector<Channels>& particles = {},
                                   const SceneRenderer* scene = nullptr);
     FogPass(FogPass&&) noexcept;
     FogPass& operator=(FogPass&&) noexcept;
@@ -62,7 +65,7 @@ class FogPass {
     /// Replaces what formulas give, such as by where the wind has taken it. A data error as from
     /// create(); a usage error if the pass was made without formulas and particles.
     Result<void> set_models(std::vector<FogModel> models);
-    /// Particles to draw from now on, in a pass made for them.
+    /// Particles to draw from now on, in a pass made for their channels (else a usage error).
     Result<void> set_particles(std::vector<Particle> particles);
     /// The maps have new coefficients (FogTextures::update).
     Result<void> fogs_changed();
@@ -122,7 +125,7 @@ class ShaderOnCpu {
     std::unique_ptr<Impl> impl_;
 };
 
-/// The same for fogs given by formulas.
+/// The same for fogs given by formulas that the colours see alike.
 class ModelsOnCpu {
   public:
     /// A data error if a model is invalid or there are more parts than the shader holds.
@@ -135,7 +138,7 @@ class ModelsOnCpu {
     std::shared_ptr<const ModelTables> tables_;
 };
 
-/// The same for particles.
+/// The same for particles that the colours see alike.
 class ParticlesOnCpu {
   public:
     explicit ParticlesOnCpu(std::vector<Particle> particles);

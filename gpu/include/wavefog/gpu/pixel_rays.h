@@ -40,7 +40,7 @@ class PixelRays {
     double optical_depth(const std::vector<Reference>& fogs, const PixelRay& ray, double mu = 1,
                          const std::vector<FogModel>& models = {},
                          const std::vector<Particle>& particles = {}) const;
-    /// The same as red, green and blue see it: each fog times its channels; particles alike.
+    /// The same as red, green and blue see it: each fog times its channels.
     Eigen::Array3d channel_depths(const std::vector<Reference>& fogs, const PixelRay& ray,
                                   double mu = 1, const std::vector<FogModel>& models = {},
                                   const std::vector<Particle>& particles = {}) const;
