@@ -129,6 +129,26 @@ TEST_CASE("ray errors: of rays of every slope through rough fog, each followed b
             }
 }
 
+TEST_CASE("ray errors: one wrong pixel is worst straight up") {
+    constexpr double path = 90;
+    for (const Profile& profile : kProfiles) {
+        const Grid<float> map = Grid<float>::Constant(40, 50, 0.1f);
+        Grid<float> error = Grid<float>::Zero(40, 50);
+        error(20, 30) = 0.05f;
+        auto first = make_fog(map, {}), second = make_fog(map + error, {});
+        REQUIRE((first.has_value() && second.has_value()));
+        first->extinction = second->extinction = 0.05;
+        first->profile = second->profile = profile;
+        const Eigen::Vector3d foot(30.5, 0, 20.5), end = foot + path * Eigen::Vector3d::UnitY();
+        const double truth = difference(Reference(*first), Reference(*second), foot, end);
+        const double found = wfog::worst_ray_error(*first, map, error, path, 32);
+        CAPTURE(int(profile.kind));
+        CHECK(found >= truth * 0.999);
+        // A ray at an angle stays in the fog for longer, but soon leaves the pixel.
+        CHECK(found <= truth * 1.1);
+    }
+}
+
 TEST_CASE("ray errors: uniform fog is bounded by its pixels, thin ones beside dense ones too") {
     test::Random random(20261123);
     constexpr int width = 40, height = 30;

@@ -14,6 +14,7 @@
 #include "plane.h"
 #include "ray_errors.h"
 #include "smoothness.h"
+#include "source.h"
 #include "tile_errors.h"
 
 namespace wavefog::wfog {
@@ -24,49 +25,12 @@ using std::int32_t;
 using std::int64_t;
 using std::size_t;
 
-/// A reconstruction is off by up to 16 * 2^-24 of the maximum (decomposition.h).
-constexpr double kRounding = 2e-6;
 /// Lossy floats become integers of a 31st of the promised interval, so that the predictor works
 /// below the bound.
 constexpr int64_t kStepsOfBound = 15;
 
 tl::unexpected<Error> broken_promise() {
     return data_error("the encoded bytes do not keep the promise; this is a bug, please report it");
-}
-
-/// The map that gives exactly the fog's coefficients, if one is found.
-bool gives(const Grid<float>& map, const Fog& fog) {
-    const auto again = decompose_as(map, fog.decomposition, fog.decomposition.levels());
-    return again && same_coefficients(*again, fog.decomposition);
-}
-
-/// The fog's pixels and, if they are multiples of a common fraction, which.
-struct Source {
-    const Grid<float>* given = nullptr;  ///< its pixels, unless `made`
-    std::optional<Grid<float>> made;
-    std::optional<Scale> ratio;
-    bool exact = false;  ///< decomposing the map gives the fog's own bits; known if lossless
-
-    const Grid<float>& map() const { return made ? *made : *given; }
-};
-
-Source source_of(const Fog& fog, const Grid<float>* map, bool lossless) {
-    Source source;
-    source.given = map;
-    if (!map) source.made = reconstruct(fog.decomposition);
-    source.ratio = ratio_of(source.map(), 0);
-    source.exact = lossless && gives(source.map(), fog);
-    if (source.ratio || (map && source.exact)) return source;
-    // Rounding may hide the steps of an integer picture.
-    if (const auto ratio = ratio_of(source.map(), kRounding)) {
-        Source snapped;
-        snapped.ratio = ratio;
-        snapped.made = source.map().unaryExpr(
-            [&](float value) { return ratio->density(*ratio->integer(value)); });
-        snapped.exact = lossless && gives(snapped.map(), fog);
-        if (snapped.exact || !source.exact) return snapped;
-    }
-    return source;
 }
 
 /// Tiles of a map as integers. What the scale does not have, the check of the decoded bytes finds.
