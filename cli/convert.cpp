@@ -68,7 +68,10 @@ Result<Fog> fog_of_image(const ConvertOptions& options, Grid<float>& pixels, Fac
     fog_options.form = options.form.value_or(fog_options.form);
     fog_options.boundary = options.boundary.value_or(fog_options.boundary);
     pixels = std::move(map->pixels);
-    return make_fog(pixels, fog_options);
+    Result<Fog> fog = make_fog(pixels, fog_options);
+    if (!fog && fog.error().kind == ErrorKind::data)
+        return data_error(fmt::format("{}: {}", options.input.string(), fog.error().message));
+    return fog;
 }
 
 /// The fog of a fog file, decomposed anew where a flag asks for it.
@@ -304,28 +307,39 @@ void add_promises(CLI::App& app, ConvertOptions& options) {
         options.compact.promise = which;
         ++options.promises;
     };
-    const auto positive = [](const std::string& text) { return parse_fraction(text); };
+    const auto at_most_one = [](const char* what) {
+        return [what](const std::string& text) -> Result<double> {
+            const Result<double> value = parse_fraction(text);
+            if (value && *value > 1)
+                return usage_error(fmt::format("{} is above 1; E is {}", text, what));
+            return value;
+        };
+    };
     app.add_flag_callback(
         "--lossless", [promise] { promise(Promise::lossless); },
         ".wfog: every coefficient comes back bit for bit (so if nothing else is said)");
     add_parsed(
         app, "--max-error", options.compact.error,
-        [promise, positive](const std::string& text) {
+        [promise, parse = at_most_one("a fraction of the map's full scale, such as 1/255")](
+            const std::string& text) {
             promise(Promise::max_error);
-            return positive(text);
+            return parse(text);
         },
         "E", ".wfog: no pixel is off by more than E of the full scale, such as 1/255");
     add_parsed(
         app, "--max-transmittance-error", options.compact.error,
-        [promise, positive](const std::string& text) {
+        [promise, parse = at_most_one("a difference of transmittances, such as 0.01")](
+            const std::string& text) {
             promise(Promise::max_transmittance_error);
-            return positive(text);
+            return parse(text);
         },
         "E",
-        ".wfog: no ray's transmittance is off by more than E (with --path); rays above the "
-        "profile's base, in uniform fog up to 45 degrees steep");
-    add_parsed(app, "--path", options.compact.path, positive, "L",
-               "The longest ray of --max-transmittance-error, metres");
+        ".wfog: no ray's transmittance is off by more than E (with --path), whatever its slope; "
+        "above the base, if the profile has one");
+    add_parsed(
+        app, "--path", options.compact.path,
+        [](const std::string& text) { return parse_fraction(text); }, "L",
+        "The longest ray of --max-transmittance-error, metres");
     add_parsed(
         app, "--bytes", options.compact.bytes,
         [promise](const std::string& text) {

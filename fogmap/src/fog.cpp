@@ -119,6 +119,11 @@ Result<Fog> make_fog(const Grid<float>& map, const FogOptions& options) {
     try {
         auto decomposition = decompose(map, family, levels, options.form, options.boundary);
         if (!decomposition) return tl::unexpected(decomposition.error());
+        if (!all_finite(*decomposition))
+            return data_error(
+                fmt::format("densities up to {} overflow in sums of floats; divide the map, and "
+                            "multiply the extinction by as much",
+                            map.maxCoeff()));
         Fog fog;
         fog.decomposition = std::move(*decomposition);
         fog.rect = {0, 0, static_cast<double>(map.cols()), static_cast<double>(map.rows())};

@@ -37,6 +37,7 @@ void prepare(const Workspace& work) {
     work.write_text("truncated.exr", work.read_text("fog.exr").substr(0, 400));
     work.write_floats("nan.tif", 2, 2, {0, 1, NAN, 0});
     work.write_floats("inf.tif", 2, 2, {0, INFINITY, 0, 0});
+    work.write_floats("huge.tif", 4, 1, {0, 3e38f, 3e38f, 3e38f});
     work.write_floats("negative.tif", 2, 2, {0, 1, 0, -0.5f});
     work.write_floats("picture.exr", 2, 2, {0, 1, 0, 0.5f});
     std::filesystem::create_directory(work.path("directory"));
@@ -93,6 +94,7 @@ TEST_CASE("bad inputs of convert") {
         {{"convert", "fog.exr", "-o", "./directory/../fog.exr"}, 2, {"the same file"}},
         {{"convert", "map.png", "-o", "scene.exr"}, 1, {"scene.json: this file describes no fog"}},
         {{"convert", "map.png", "-o", "x.wfog", "--layout", "atlas"}, 2, {"about .exr"}},
+        {{"convert", "huge.tif", "-o", "x.wfog"}, 1, {"huge.tif: densities up to 3e+38 overflow"}},
         {{"convert", "map.png", "-o", "x.jpg"}, 2, {"cannot write '.jpg'", "use .exr"}},
         {{"convert", "map.png", "-o", "x"}, 2, {"cannot write ''"}},
         {{"convert", "map.png"}, 2, {"--output", "convert --help"}},

@@ -133,6 +133,8 @@ TEST_CASE("flags that contradict each other or the output are mistakes") {
         {{"x.wfog", "--path", "10"}, "go together"},
         {{"x.wfog", "--max-error", "0"}, "no number above 0"},
         {{"x.wfog", "--max-error", "1/0"}, "no number above 0"},
+        {{"x.wfog", "--max-error", "2"}, "a fraction of the map's full scale"},
+        {{"x.wfog", "--max-transmittance-error", "3/2", "--path", "9"}, "a difference of"},
         {{"x.wfog", "--bytes", "-3"}, "--bytes"},
         {{"x.wfog", "--precision", "half"}, "about .exr"},
         {{"x.exr", "--best"}, "about .wfog"},

@@ -46,6 +46,8 @@ TEST_CASE("wfog: frozen files decode to the same values") {
         {"v1_bounds_tables", 140, 133, 0xe58d94c9, 0xa4006f2f},
         {"v1_packed", 41, 35, 0xa08b7d3a, 0x18ce5455},
         {"v1_packed_tables", 150, 131, 0xf0797fe6, 0x7beb1ebf},
+        {"v1_companded", 41, 35, 0x792c7177, 0x2a37c2bc},
+        {"v1_companded_tables", 137, 130, 0x2d685b8d, 0xdde37ccc},
     };
     for (const Frozen& frozen : files) {
         const std::string name =

@@ -3,16 +3,37 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <limits>
 #include <string>
+#include <utility>
 
 #include "support/random.h"
 #include "wavefog/fogmap/wfog.h"
+#include "wfog/format.h"
 #include "wfog_bytes.h"
 
 namespace wavefog {
 namespace {
 
 using test::FileBytes;
+
+/// One whose densities are companded: deep fog, promised by rays.
+FileBytes companded_file() {
+    Grid<float> map(20, 30);
+    for (Eigen::Index i = 0; i < map.size(); ++i) map.data()[i] = 1 + std::sin(float(i * i % 1009));
+    auto fog = make_fog(map, {.degree = 1, .levels = 2});
+    REQUIRE(fog.has_value());
+    WfogOptions options;
+    options.promise = WfogOptions::Promise::max_transmittance_error;
+    options.error = 0.05;
+    options.path = 50;
+    const auto file = encode_wfog(*fog, options, &map);
+    if (!file) FAIL(file.error().message);
+    const auto chunks = wfog::read_chunks(file->bytes, false);
+    REQUIRE(chunks.has_value());
+    REQUIRE(chunks->head.scale.kind == wfog::Scale::Kind::companded);
+    return file->bytes;
+}
 
 /// Small files of every coder, scale and content.
 std::vector<FileBytes> samples() {
@@ -58,6 +79,7 @@ std::vector<FileBytes> samples() {
     for (Eigen::Index i = 0; i < large.size(); ++i)
         large.data()[i] = float((i / 5) % 3 * 100) / 255;
     add(large, {});
+    files.push_back(companded_file());
     return files;
 }
 
@@ -151,6 +173,8 @@ TEST_CASE("wfog: wrong magic, wrong version and sizes that lie are told apart") 
     other = file;
     other[4] = 2;
     CHECK(contains(error_of(other), "format version 2"));
+    other[4] = 0;
+    CHECK(contains(error_of(other), "version is 0, which does not exist"));
 
     // 65536 x 65536 pixels in a few bytes.
     const auto starts = test::chunk_starts(file);
@@ -210,6 +234,38 @@ TEST_CASE("wfog: ranks that do not rise, or are too few or too many, are refused
     CHECK_FALSE(opens(with_table({0xf4, 0xff, 0xff, 0xff, 0x0f, 2, 70})));  // past 2^31 - 1
     CHECK(opens(with_table({0xf4, 0xff, 0xff, 0xff, 0x0f, 2, 5})));         // just there
     CHECK_FALSE(opens(with_table({0, 0x7f})));                              // 127, and fewer bytes
+}
+
+TEST_CASE("wfog: steps of companded densities that do not rise or overflow are refused") {
+    const FileBytes file = companded_file();
+    const auto chunks = wfog::read_chunks(file, false);
+    REQUIRE(chunks.has_value());
+    std::vector<wfog::Bytes> streams;
+    for (const wfog::View stream : chunks->streams)
+        streams.emplace_back(stream.begin(), stream.end());
+    const auto with_scale = [&](double step, double growth) {
+        wfog::Head head = chunks->head;
+        head.scale.step = step;
+        head.scale.growth = growth;
+        return wfog::write_chunks(head, streams);
+    };
+    const auto [step, growth] = std::pair{chunks->head.scale.step, chunks->head.scale.growth};
+    CHECK(with_scale(step, growth) == file);
+    CHECK(opens(with_scale(step, 1e-300)));
+    CHECK(opens(with_scale(1e-300, growth)));
+    const double infinity = std::numeric_limits<double>::infinity();
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    for (const double wrong : {0.0, -0.0, -growth, 1.0000001, infinity, -infinity, nan})
+        CHECK(contains(error_of(with_scale(step, wrong)), "growth of the steps is impossible"));
+    for (const double wrong : {0.0, -step, infinity, -infinity, nan})
+        CHECK(contains(error_of(with_scale(wrong, growth)), "step is impossible"));
+    for (const auto& [large, more] : {std::pair{1e38, growth}, {1e308, 1.0}})
+        CHECK(contains(error_of(with_scale(large, more)), "a density is not finite"));
+
+    // A kind that is not known yet.
+    wfog::Head head = chunks->head;
+    head.scale = {.kind = static_cast<wfog::Scale::Kind>(5)};
+    CHECK(contains(error_of(wfog::write_chunks(head, streams)), "scale 5"));
 }
 
 TEST_CASE("wfog: unknown optional chunks are skipped, unknown required ones refused") {

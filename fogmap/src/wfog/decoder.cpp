@@ -18,6 +18,10 @@ tl::unexpected<Error> damaged_stream() {
     return data_error("damaged: a stream is impossible; get the file again");
 }
 
+tl::unexpected<Error> not_finite() {
+    return data_error("damaged: a density is not finite; get the file again");
+}
+
 }  // namespace
 
 tl::unexpected<Error> cancelled() {
@@ -77,7 +81,7 @@ Result<void> decode_pixels(const Chunks& chunks, const WfogLimits& limits, Decod
             decode_plane(streams, coding, limits.threads, limits.stop, into(out.map, head.scale)));
         !ok)
         return ok;
-    if (!detail::all_finite(out.map)) return damaged_stream();
+    if (!detail::all_finite(out.map)) return not_finite();
     auto decomposed = decompose_as(out.map, d, head.levels);
     if (!decomposed) return tl::unexpected(decomposed.error());
     d = std::move(*decomposed);
@@ -112,7 +116,7 @@ Result<void> decode_coefficients(const Chunks& chunks, const WfogLimits& limits,
         if (r.left() != 0) return damaged_stream();
     }
     out.map = reconstruct(d);
-    if (!detail::all_finite(out.map)) return damaged_stream();
+    if (!detail::all_finite(out.map)) return not_finite();
     return {};
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -13,6 +14,7 @@
 #include "plane.h"
 #include "ray_errors.h"
 #include "smoothness.h"
+#include "source.h"
 #include "tile_errors.h"
 
 namespace wavefog::wfog {
@@ -23,49 +25,12 @@ using std::int32_t;
 using std::int64_t;
 using std::size_t;
 
-/// A reconstruction is off by up to 16 * 2^-24 of the maximum (decomposition.h).
-constexpr double kRounding = 2e-6;
 /// Lossy floats become integers of a 31st of the promised interval, so that the predictor works
 /// below the bound.
 constexpr int64_t kStepsOfBound = 15;
 
 tl::unexpected<Error> broken_promise() {
     return data_error("the encoded bytes do not keep the promise; this is a bug, please report it");
-}
-
-/// The map that gives exactly the fog's coefficients, if one is found.
-bool gives(const Grid<float>& map, const Fog& fog) {
-    const auto again = decompose_as(map, fog.decomposition, fog.decomposition.levels());
-    return again && same_coefficients(*again, fog.decomposition);
-}
-
-/// The fog's pixels and, if they are multiples of a common fraction, which.
-struct Source {
-    const Grid<float>* given = nullptr;  ///< its pixels, unless `made`
-    std::optional<Grid<float>> made;
-    std::optional<Scale> ratio;
-    bool exact = false;  ///< decomposing the map gives the fog's own bits; known if lossless
-
-    const Grid<float>& map() const { return made ? *made : *given; }
-};
-
-Source source_of(const Fog& fog, const Grid<float>* map, bool lossless) {
-    Source source;
-    source.given = map;
-    if (!map) source.made = reconstruct(fog.decomposition);
-    source.ratio = ratio_of(source.map(), 0);
-    source.exact = lossless && gives(source.map(), fog);
-    if (source.ratio || (map && source.exact)) return source;
-    // Rounding may hide the steps of an integer picture.
-    if (const auto ratio = ratio_of(source.map(), kRounding)) {
-        Source snapped;
-        snapped.ratio = ratio;
-        snapped.made = source.map().unaryExpr(
-            [&](float value) { return ratio->density(*ratio->integer(value)); });
-        snapped.exact = lossless && gives(snapped.map(), fog);
-        if (snapped.exact || !source.exact) return snapped;
-    }
-    return source;
 }
 
 /// Tiles of a map as integers. What the scale does not have, the check of the decoded bytes finds.
@@ -158,9 +123,18 @@ class PixelEncoder {
         head_.stream_levels = default_stream_levels(d.width, d.height, head_.tile_bits);
     }
 
-    Result<Trial> encode(double error) {
-        choose_scale(error);
+    /// `coarseness`: how many times `error` the densest pixels may be off, at least 1.
+    Result<Trial> encode(double error, double coarseness = 1) {
+        choose_scale(error, coarseness);
         return encode_within(bounds_by(kTightness[0]));
+    }
+
+    /// How many bits a pixel less the coarseness takes than 1, about.
+    double saving(double error, double coarseness) {
+        find_scale(error, coarseness);
+        return head_.scale.kind == Scale::Kind::companded
+                   ? mean_coarseness(head_.scale, source_.map())
+                   : 0;
     }
 
     /// The same, with errors that are 3 dB below a prequantiser's where the map is smooth.
@@ -256,15 +230,16 @@ class PixelEncoder {
         return true;
     }
 
-    void choose_scale(double error) {
-        find_scale(error);
+    void choose_scale(double error, double coarseness = 1) {
+        find_scale(error, coarseness);
         smooth_ = allowed_ > 1 && share_foretold(source_.map(), head_.scale, allowed_) > 0.95;
     }
 
-    void find_scale(double error) {
+    void find_scale(double error, double coarseness) {
         allowed_ = 0;
         const bool by_rays = options_.promise == WfogOptions::Promise::max_transmittance_error;
-        if (source_.ratio && !(by_rays && wants_finer_steps(error * source_.ratio->divisor))) {
+        if (source_.ratio && coarseness == 1 &&
+            !(by_rays && wants_finer_steps(error * source_.ratio->divisor))) {
             head_.scale = *source_.ratio;
             // The last bits of a double must not cost a whole step.
             allowed_ = static_cast<int64_t>(
@@ -280,7 +255,10 @@ class PixelEncoder {
             head_.scale = exact_scale(source_.map());
             return;
         }
-        head_.scale = {.kind = Scale::Kind::step, .step = step};
+        if (coarseness > 1)
+            head_.scale = companded_scale(step, coarseness, most);
+        else
+            head_.scale = {.kind = Scale::Kind::step, .step = step};
         allowed_ = kStepsOfBound;
     }
 
@@ -369,33 +347,77 @@ Result<Trial> fit_bytes(PixelEncoder& encoder, double scale, size_t bytes) {
     return best;
 }
 
-/// The largest error whose rays still keep the promise. What guarantees the same pixel by pixel,
-/// E / (extinction * path), is where the search starts; it ends where no larger error is worth it.
-Result<Trial> fit_rays(PixelEncoder& encoder, const Fog& fog, const Source& source,
-                       const WfogOptions& options, double scale) {
-    constexpr int kFewAngles = 12, kAngles = 64;
-    const auto ray_error = [&](const Trial& trial, int angles) {
-        return worst_ray_error(fog, source.map(), trial.map - source.map(), options.path, angles);
-    };
-    const double sure = options.error / std::max(fog.extinction * options.path, 1e-300);
-    double low = std::log(sure), high = std::log(std::max(scale, sure));
-    auto best = encoder.encode(std::min(sure, scale));
-    if (!best) return best;
-    for (int i = 0; i < 10 && high - low > 0.02; ++i) {
+/// Looks for the smallest file whose rays keep their promise.
+class RaySearch {
+  public:
+    RaySearch(PixelEncoder& encoder, const Fog& fog, const Source& source,
+              const WfogOptions& options)
+        : encoder_(encoder), fog_(fog), source_(source), options_(options) {}
+
+    /// What guarantees the same pixel by pixel, E / (extinction * path), is where the search
+    /// starts; it ends where no larger error is worth it. Then dense fog, which hides errors, gets
+    /// coarser steps while that pays.
+    Result<Trial> run(double scale) {
+        const double sure = options_.error / std::max(fog_.extinction * options_.path, 1e-300);
+        auto best = encoder_.encode(std::min(sure, scale));
+        if (!best) return best;
         // White errors add up like the root of the cells: the answer is nearer to the low end.
-        const double middle = low + (high - low) * (i == 0 ? 0.4 : 0.5);
-        auto trial = encoder.encode(std::exp(middle));
-        if (!trial) return trial;
-        if (ray_error(*trial, kFewAngles) <= options.error &&
-            ray_error(*trial, kAngles) <= options.error) {
-            low = middle;
-            if (trial->file.bytes.size() <= best->file.bytes.size()) best = std::move(trial);
-        } else {
-            high = middle;
+        const Range range{std::log(sure), std::log(std::max(scale, sure)), 0.4};
+        auto found = widen(range, kFine, 1, *best);
+        if (!found) return tl::unexpected(found.error());
+        for (double coarseness = kMoreCoarse; coarseness <= kMostCoarse;
+             coarseness *= kMoreCoarse) {
+            // Below the lowest error, coarser steps save less than they cost.
+            const double saved = std::log(2.0) * encoder_.saving(std::exp(*found), coarseness);
+            if (saved < kFine) break;
+            const size_t bytes = best->file.bytes.size();
+            const auto other = widen({*found - saved, *found, 0.5}, kRough, coarseness, *best);
+            if (!other) return tl::unexpected(other.error());
+            if (best->file.bytes.size() == bytes) break;
         }
+        return best;
     }
-    return best;
-}
+
+  private:
+    /// Of the logarithm of an error; its first trial is at this share.
+    struct Range {
+        double low, high, first;
+    };
+    static constexpr double kFine = 0.02, kRough = 0.06;
+    static constexpr double kMoreCoarse = 2, kMostCoarse = 64;
+
+    /// The largest error in the range that keeps the promise, by halving; `best` gets the smallest
+    /// file that does.
+    Result<double> widen(Range range, double tolerance, double coarseness, Trial& best) {
+        auto& [low, high, share] = range;
+        for (int i = 0; i < 10 && high - low > tolerance; ++i, share = 0.5) {
+            const double middle = low + (high - low) * share;
+            auto trial = encoder_.encode(std::exp(middle), coarseness);
+            if (!trial) return tl::unexpected(trial.error());
+            if (keeps_promise(*trial)) {
+                low = middle;
+                if (trial->file.bytes.size() <= best.file.bytes.size()) best = std::move(*trial);
+            } else {
+                high = middle;
+            }
+        }
+        return low;
+    }
+
+    bool keeps_promise(const Trial& trial) const {
+        constexpr int kFewAngles = 12, kAngles = 64;
+        const Grid<float> error = trial.map - source_.map();
+        return std::ranges::all_of(std::array{kFewAngles, kAngles}, [&](int angles) {
+            return worst_ray_error(fog_, source_.map(), error, options_.path, angles) <=
+                   options_.error;
+        });
+    }
+
+    PixelEncoder& encoder_;
+    const Fog& fog_;
+    const Source& source_;
+    const WfogOptions& options_;
+};
 
 /// Every pixel, as decoded from the file's bytes, keeps the promise.
 Result<void> check_promise(const Trial& trial, const Source& source, double allowed) {
@@ -425,7 +447,7 @@ Result<EncodedFog> encode_pixels(const Fog& fog, const Source& source, double sc
             trial = fit_bytes(encoder, std::max(scale, 1e-30), options.bytes);
             break;
         case Promise::max_transmittance_error:
-            trial = fit_rays(encoder, fog, source, options, std::max(scale, 1e-30));
+            trial = RaySearch(encoder, fog, source, options).run(std::max(scale, 1e-30));
             break;
     }
     if (!trial) return tl::unexpected(trial.error());

@@ -122,7 +122,9 @@ Bytes write_head(const Head& head) {
 
     w.byte(static_cast<unsigned>(head.scale.kind));
     if (head.scale.kind == Scale::Kind::ratio) w.length(head.scale.divisor);
-    if (head.scale.kind == Scale::Kind::step) w.number(head.scale.step);
+    if (head.scale.kind == Scale::Kind::step || head.scale.kind == Scale::Kind::companded)
+        w.number(head.scale.step);
+    if (head.scale.kind == Scale::Kind::companded) w.number(head.scale.growth);
     if (head.scale.kind == Scale::Kind::float_bits) w.byte(head.scale.shift);
     if (head.scale.kind == Scale::Kind::table) write_table(w, head.scale.values);
     w.length(static_cast<std::uint64_t>(head.bounds.finest));
@@ -194,17 +196,26 @@ Result<Head> read_head(View payload) {
     bool has_coarser = false;
     if (auto ok = read_fog(r, head, has_coarser); !ok) return tl::unexpected(ok.error());
     const unsigned kind = r.byte();
-    if (kind > static_cast<unsigned>(Scale::Kind::table)) return damaged("no such scale");
+    if (kind > static_cast<unsigned>(Scale::Kind::companded))
+        return data_error(fmt::format(
+            "has densities on a scale {} that this program does not know; use a newer one", kind));
     head.scale.kind = static_cast<Scale::Kind>(kind);
     if (head.scale.kind == Scale::Kind::ratio) {
         const std::uint64_t divisor = r.length();
         if (divisor < 1 || divisor > 0xffffffffu) return damaged("the divisor is impossible");
         head.scale.divisor = static_cast<std::uint32_t>(divisor);
     }
-    if (head.scale.kind == Scale::Kind::step) {
+    const bool companded = head.scale.kind == Scale::Kind::companded;
+    if (head.scale.kind == Scale::Kind::step || companded) {
         head.scale.step = r.number();
         if (!(head.scale.step > 0) || !std::isfinite(head.scale.step))
             return damaged("the step is impossible");
+    }
+    if (companded) {
+        // So densities rise with their integers; those that overflow are refused as they come.
+        head.scale.growth = r.number();
+        if (!(head.scale.growth > 0 && head.scale.growth <= 1))
+            return damaged("the growth of the steps is impossible");
     }
     if (head.scale.kind == Scale::Kind::float_bits) {
         head.scale.shift = r.byte();
@@ -249,6 +260,7 @@ Result<Chunks> read_chunks(View bytes, bool partial) {
         return data_error("is no .wfog file; convert a picture to one");
     const unsigned version = r.byte();
     if (r.failed()) return damaged("it ends after the magic");
+    if (version == 0) return damaged("its format version is 0, which does not exist");
     if (version != kVersion)
         return data_error(fmt::format(
             "has format version {}; this program reads {}: use a newer one", version, kVersion));

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <vector>
 
+#include "pixel_errors.h"
+
 namespace wavefog::wfog {
 
 namespace {
@@ -157,7 +159,7 @@ double thickness(const Profile& profile) {
         case Profile::Kind::exponential:
             return profile.scale;
         case Profile::Kind::linear:
-            return profile.top - profile.base;
+            return (profile.top - profile.base) / 2;
         case Profile::Kind::uniform:
             break;
     }
@@ -168,6 +170,10 @@ double thickness(const Profile& profile) {
 
 double worst_ray_error(const Fog& fog, const Grid<float>& map, const Grid<float>& error,
                        double path, int angles) {
+    const PixelErrors pixels(map, error);
+    // Straight up, a ray stays over one pixel: no other can be worse.
+    if (fog.profile.kind == Profile::Kind::uniform)
+        return pixels.worst_change(fog.extinction * path);
     const Decomposition<float>& d = fog.decomposition;
     const Field field(error, d.degree(), d.boundary), densities(map, d.degree(), d.boundary);
     const double cell_x = fog.cell_x(), cell_z = fog.cell_z();
@@ -203,7 +209,6 @@ double worst_ray_error(const Fog& fog, const Grid<float>& map, const Grid<float>
             if (inside) segments.add_line(sums, depths);
         }
     }
-    const double largest = error.size() > 0 ? double(error.abs().maxCoeff()) : 0;
 
     // Every slope: a class of lengths covers a range of them.
     const double upwards = thickness(fog.profile);
@@ -211,15 +216,13 @@ double worst_ray_error(const Fog& fog, const Grid<float>& map, const Grid<float>
     constexpr int kSlopes = 200;
     for (int s = 0; s <= kSlopes; ++s) {
         const double slope = std::numbers::pi / 2 * s / kSlopes;
-        if (std::isinf(upwards) && slope > std::numbers::pi / 4 + 1e-9) break;
         const double cosine = std::max(std::cos(slope), 1e-12), sine = std::sin(slope);
         const double length = sine > 0 ? std::min(path, upwards / sine) : path;
-        // No segment can hold more than the largest error all along.
-        const double all_along = fog.extinction * largest * length;
-        if (all_along <= worst) continue;
         const double found = segments.worst_change(std::min(length * cosine, longest) / step,
                                                    pieces / cosine, kBetweenLines);
-        worst = std::max(worst, std::min(all_along, found));
+        // A steep ray crosses few pixels, so that none of their errors may even out.
+        if (found > worst)
+            worst = std::max(worst, std::min(found, pixels.worst_change(fog.extinction * length)));
     }
     return worst;
 }

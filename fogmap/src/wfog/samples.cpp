@@ -22,6 +22,21 @@ std::int32_t ordered_bits(float density, unsigned shift = 0) {
     return std::signbit(density) ? ~magnitude : magnitude;  // -0 is not 0
 }
 
+/// A step of companding: x that grows faster than itself. Of correctly rounded operations alone,
+/// like its inverse (of y >= 0), so that both are the same on every machine.
+double stretched(double x, double growth) {
+    return x + growth * x * std::fabs(x);
+}
+double unstretched(double y, double growth) {
+    return 2 * y / (1 + std::sqrt(1 + 4 * growth * y));
+}
+
+/// The real number whose companded density is `scaled` steps.
+double uncompanded(double scaled, double growth) {
+    const double magnitude = std::fabs(scaled);
+    return std::copysign(unstretched(unstretched(magnitude, growth), growth), scaled);
+}
+
 }  // namespace
 
 float Scale::density(std::int32_t k) const {
@@ -39,6 +54,8 @@ float Scale::density(std::int32_t k) const {
             return k >= 0 && static_cast<std::size_t>(k) < values.size()
                        ? values[static_cast<std::size_t>(k)]
                        : 0.0f;
+        case Kind::companded:
+            return static_cast<float>(step * stretched(stretched(k, growth), growth));
     }
     return 0;
 }
@@ -52,7 +69,9 @@ std::optional<std::int32_t> Scale::integer(float value) const {
         if (at == values.end() || ordered_bits(*at) != ordered_bits(value)) return {};
         return static_cast<std::int32_t>(at - values.begin());
     }
-    const double k = kind == Kind::ratio ? double(value) * divisor : double(value) / step;
+    const double k = kind == Kind::ratio  ? double(value) * divisor
+                     : kind == Kind::step ? double(value) / step
+                                          : uncompanded(double(value) / step, growth);
     if (!(std::fabs(k) <= kMostInteger)) return {};
     return static_cast<std::int32_t>(k < 0 ? k - 0.5 : k + 0.5);
 }
@@ -67,6 +86,9 @@ void Scale::densities(const std::int32_t* from, std::size_t count, float* to) co
         const double by = step;
         for (std::size_t i = 0; i < count; ++i)
             to[i] = static_cast<float>(static_cast<double>(from[i]) * by);
+    } else if (kind == Kind::companded) {
+        for (std::size_t i = 0; i < count; ++i)
+            to[i] = static_cast<float>(step * stretched(stretched(from[i], growth), growth));
     } else {
         std::transform(from, from + count, to, [this](std::int32_t k) { return density(k); });
     }
@@ -102,6 +124,9 @@ bool Scale::integers(const float* from, std::size_t count, std::int32_t* to) con
         return false;
     };
     if (kind == Kind::step) return convert([by = step](double value) { return value / by; });
+    if (kind == Kind::companded)
+        return convert(
+            [by = step, more = growth](double value) { return uncompanded(value / by, more); });
     return convert([by = static_cast<double>(divisor)](double value) { return value * by; });
 }
 
@@ -176,6 +201,27 @@ std::optional<Scale> ratio_of(const Grid<float>& map, double slack) {
         return scale;
     }
     return {};
+}
+
+Scale companded_scale(double step, double coarseness, double most) {
+    // Steps grow by a (of q at k, a = 1 + 2 growth q(k)) times sqrt(2 a - 1) (of q at q(k)).
+    double low = 1, high = coarseness;
+    for (int i = 0; i < 60; ++i) {
+        const double a = (low + high) / 2;
+        (a * std::sqrt(2 * a - 1) < coarseness ? low : high) = a;
+    }
+    const double growth = std::min((low * low - 1) * step / (4 * most), 1.0);
+    return {.kind = Scale::Kind::companded, .step = step, .growth = growth};
+}
+
+double mean_coarseness(const Scale& companded, const Grid<float>& map) {
+    double sum = 0;
+    for (Eigen::Index i = 0; i < map.size(); ++i) {
+        const double scaled = std::fabs(double(map.data()[i])) / companded.step;
+        const double a = std::sqrt(1 + 4 * companded.growth * scaled);
+        sum += std::log2(a * std::sqrt(2 * a - 1));
+    }
+    return map.size() > 0 ? sum / static_cast<double>(map.size()) : 0;
 }
 
 Scale exact_scale(const Grid<float>& map) {

@@ -17,12 +17,14 @@ struct Scale {
         step,        ///< float(double(k) * step)
         float_bits,  ///< the float whose bits are k << shift, or minus that of -k-1 below 0
         table,       ///< values[k]
+        companded,   ///< float(step * q(q(double(k)))), q(x) = x + growth * x * |x|
     };
     Kind kind = Kind::ratio;
     std::uint32_t divisor = 255;
     double step = 1;
     unsigned shift = 0;
     std::vector<float> values = {};  ///< rising, at most kMaxTable
+    double growth = 0;               ///< of companded steps: more than 0, at most 1
 
     float density(std::int32_t k) const;
     /// The nearest integer; nothing if the density is too large for 30 bits, or not in the table.
@@ -37,6 +39,14 @@ struct Scale {
 float largest_difference(const float* a, const float* b, std::size_t count);
 
 inline constexpr std::size_t kMaxTable = 1 << 16;
+
+/// Steps of `step` at 0 that become `coarseness` (above 1) times as large up to `most`, or as large
+/// as growth allows.
+Scale companded_scale(double step, double coarseness, double most);
+
+/// The mean of the binary logarithm of how much coarser the steps are at a map's densities than at
+/// 0: what they save, in bits a pixel.
+double mean_coarseness(const Scale& companded, const Grid<float>& map);
 
 /// A scale for any floats, bit for bit: a table if they are few, else their bits without those that
 /// are 0 in all.

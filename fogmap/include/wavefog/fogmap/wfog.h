@@ -20,9 +20,10 @@ struct WfogOptions {
     enum class Promise {
         lossless,   ///< every coefficient comes back bit for bit
         max_error,  ///< every pixel within `error` times the full scale, plus a float's rounding
-        /// |dT| <= `error` along every ray of up to `path` metres above the profile's base (uniform
-        /// fog: up to 45 degrees steep), from a dense search of rays with a reserve of a tenth
-        /// for those between; not a proof
+        /// |dT| <= `error` along every ray of up to `path` metres, whatever its slope. In uniform
+        /// fog that is proved, up to the rounding of floats; under other profiles it comes from a
+        /// dense search of rays with a reserve of a tenth for those between, and means rays above
+        /// the base of an exponential or linear one, below which fog is as dense for ever
         max_transmittance_error,
         bytes,  ///< the smallest error that fits into `bytes`
     };
