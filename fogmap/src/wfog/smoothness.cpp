@@ -60,9 +60,10 @@ double squared_remainders(const int32_t* integers, size_t count, double low, dou
 
 }  // namespace
 
-double share_foretold(const Grid<float>& map, const Scale& scale, int64_t bound) {
+bool mostly_foretold(const Grid<float>& map, const Scale& scale, int64_t bound, double share) {
     const auto width = size_t(map.cols()), rows = size_t(map.rows());
-    if (width < 3 || rows < 3) return 0;
+    if (width < 3 || rows < 3) return false;
+    const auto pixels = static_cast<double>((rows - 1) / 2 * (width - 2));
     const int64_t largest = std::max<int64_t>(
         std::abs(int64_t(scale.integer(map.abs().maxCoeff()).value_or(0))), bound);
     const bool narrow = largest < (1 << 27);
@@ -73,7 +74,7 @@ double share_foretold(const Grid<float>& map, const Scale& scale, int64_t bound)
     };
     auto& [above, here, below] = around;
     read(0, above);
-    size_t foretold = 0;
+    int64_t missed = 0;
     for (size_t row = 1; row + 2 <= rows; row += 2) {
         read(row, here);
         read(row + 1, below);
@@ -81,10 +82,11 @@ double share_foretold(const Grid<float>& map, const Scale& scale, int64_t bound)
             narrow ? count_narrow(above.data(), here.data(), below.data(), width,
                                   static_cast<int32_t>(bound))
                    : count_foretold<int64_t>(above.data(), here.data(), below.data(), width, bound);
-        foretold += static_cast<size_t>(count);
+        missed += int64_t(width) - 2 - count;
+        if (!(pixels - static_cast<double>(missed) > share * pixels)) return false;
         std::swap(above, below);
     }
-    return static_cast<double>(foretold) / static_cast<double>((rows - 1) / 2 * (width - 2));
+    return true;
 }
 
 double prequantised_rms(const Grid<float>& map, const Scale& scale, int64_t bound) {
