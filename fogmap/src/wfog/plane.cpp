@@ -159,6 +159,14 @@ Extremes extremes_of(const int32_t* values, size_t count) {
     return {least, most};
 }
 
+/// How many of at most 2^31 values are `value`.
+WAVEFOG_VECTOR_CLONES
+size_t count_of(int32_t value, const int32_t* values, size_t count) {
+    std::uint32_t found = 0;
+    for (size_t i = 0; i < count; ++i) found += values[i] == value ? 1 : 0;
+    return found;
+}
+
 /// What a tile's values are coded with, but the coder.
 struct Measured {
     TileCoding coding;
@@ -175,8 +183,8 @@ Measured measure(const Tile& tile, const PlaneCoding& plane) {
     coding.low = extremes.least;
     coding.high = extremes.most;
     measured.range = int64_t(coding.high) - coding.low;
-    const auto lows = std::count(tile.values.begin(), tile.values.end(), coding.low);
-    coding.marks_low = size_t(lows) > tile.values.size() / 10;
+    coding.marks_low = count_of(coding.low, tile.values.data(), tile.values.size()) >
+                       tile.values.size() / 10;
     measured.table = values_apart(tile, coding.low, coding.high, coding.bounds.finest);
     return measured;
 }

@@ -17,6 +17,8 @@ namespace {
 
 constexpr double kMostInteger = (1 << 30) - 1;
 constexpr std::int32_t kExactFloats = 1 << 24;
+/// Below, products of floats are near enough to the integer that they stand for.
+constexpr double kNearIntegers = 1 << 20;
 
 /// Rises with the density.
 std::int32_t ordered_bits(float density, unsigned shift = 0) {
@@ -64,13 +66,11 @@ void Scale::densities(const std::int32_t* from, std::size_t count, float* to) co
     std::int32_t used = 0;  // bits of the magnitudes, less 1 below 0
     for (std::size_t i = 0; i < count; ++i) used |= from[i] ^ from[i] >> 31;
     if (kind == Kind::ratio && used < kExactFloats && divisor <= kExactFloats) {
-        // Rounds to the same float as the quotient and is faster. Halfway between two floats is
-        // n / 2^s, n odd and between 2^24 and 2^25: k / divisor is not there, else n would divide
-        // k; so it is off by at least 1 / (n divisor) of itself, over 2^-49, and the product is off
-        // by 2^-52.
-        const double by = 1 / static_cast<double>(divisor);
-        for (std::size_t i = 0; i < count; ++i)
-            to[i] = static_cast<float>(static_cast<double>(from[i]) * by);
+        // The quotient of floats, rounded once, is the same: that of doubles is never halfway between
+        // two floats, n / 2^s with n odd and above 2^24, as n would divide k. Off by at least
+        // 1 / (n divisor) of itself, over 2^-49, it keeps its side when it is rounded to a double.
+        const auto by = static_cast<float>(divisor);
+        for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<float>(from[i]) / by;
     } else if (kind == Kind::ratio) {
         const double by = divisor;
         for (std::size_t i = 0; i < count; ++i)
@@ -98,6 +98,16 @@ bool Scale::integers(const float* from, std::size_t count, std::int32_t* to) con
         largest = largest < bits ? bits : largest;
     }
     // The loops have no branches, so that compilers make vectors of them.
+    if (kind == Kind::ratio && divisor < kExactFloats &&
+        double(std::bit_cast<float>(largest)) * divisor < kNearIntegers) {
+        // Densities of the scale are near an integer; what is not may be rounded either way.
+        const auto by = static_cast<float>(divisor);
+        for (std::size_t i = 0; i < count; ++i) {
+            const float k = from[i] * by;
+            to[i] = static_cast<std::int32_t>(k + std::copysign(0.5f, k));
+        }
+        return true;
+    }
     const auto convert = [&](auto scaled) {
         if (scaled(double(std::bit_cast<float>(largest))) <= kMostInteger) {
             for (std::size_t i = 0; i < count; ++i) {

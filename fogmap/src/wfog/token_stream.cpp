@@ -63,6 +63,15 @@ Frequencies frequencies_of(const TokenModel& model) {
     return f;
 }
 
+/// `frequency(c)`: of zeros in context c. How many contexts, from the first on, in which zeros are
+/// nearly certain: runs of them are worth a way of their own.
+template <class Frequency>
+unsigned count_quiet(Frequency frequency) {
+    unsigned quiet = 0;
+    while (quiet < kTokenContexts && frequency(quiet) >= kNearlyCertain) ++quiet;
+    return quiet;
+}
+
 /// `counts`: of each token.
 TokenModel model_of(const uint32_t* counts, unsigned shift) {
     TokenModel model;
@@ -264,8 +273,9 @@ inline void take_in(uint32_t& state, const Step& step, std::uint16_t*& word) {
 }
 
 /// Indices into `steps`; backwards, so that a decoder reads forwards. Returns where words begin.
+/// `quiet`: as count_quiet() says.
 std::uint16_t* take_in_all(const std::uint16_t* indices, size_t count, const Step* steps,
-                           std::array<uint32_t, 4>& states, size_t state_count,
+                           unsigned quiet, std::array<uint32_t, 4>& states, size_t state_count,
                            std::uint16_t* word) {
     size_t i = count;
     if (state_count == 1) {
@@ -277,8 +287,9 @@ std::uint16_t* take_in_all(const std::uint16_t* indices, size_t count, const Ste
     for (; i > 0; i -= 4) {
         uint64_t four;
         std::memcpy(&four, indices + i - 4, sizeof four);
-        if ((four & 0x000f000f000f000f) == 0) {
-            // Zeros need few bits: that a state is full is rare, and foreseen as such.
+        // Bit 15: a context that is not quiet. Lowest bits: tokens.
+        if (((four + (0x8000 - quiet * kTokens) * 0x0001000100010001) & 0x800f800f800f800f) == 0) {
+            // That a state is full is rare.
             const Step &of_a = steps[indices[i - 4]], &of_b = steps[indices[i - 3]],
                        &of_c = steps[indices[i - 2]], &of_d = steps[indices[i - 1]];
             if (a < of_a.limit && b < of_b.limit && c < of_c.limit && d < of_d.limit) [[likely]] {
@@ -344,23 +355,26 @@ void write_symbols(std::span<const std::int32_t> values, std::span<const uint8_t
     for (size_t c = 0; c < kTokenContexts; ++c) used |= seen[c] > 0 ? 1u << c : 0u;
     head.length(used);
     std::array<Step, kIndices> steps;
+    std::array<uint32_t, kTokenContexts> zeros{};
     for (size_t c = 0; c < kTokenContexts; ++c) {
         if (seen[c] == 0) continue;
         const TokenModel model = model_of(&counts[c * kTokens], shifts[c]);
         const Frequencies f = frequencies_of(model);
+        zeros[c] = f.frequency[0];
         for (size_t t = 0; t < kTokens; ++t)
             steps[c * kTokens + t] = step_of(f.frequency[t], f.start[t]);
         head.byte(model.shift);
         for (const uint8_t stop : model.stops) head.byte(stop);
     }
 
+    const unsigned quiet = count_quiet([&](size_t c) { return zeros[c]; });
     const size_t state_count = states_for(count);
     std::array<uint32_t, 4> states;
     states.fill(kLowestState);
     const std::span<std::uint16_t> words = scratch.take<std::uint16_t>(count + 1);
     std::uint16_t* const end = words.data() + words.size();
     const std::uint16_t* const begin =
-        take_in_all(indices.data(), count, steps.data(), states, state_count, end);
+        take_in_all(indices.data(), count, steps.data(), quiet, states, state_count, end);
     head.length(size_t(end - begin));
     for (size_t s = 0; s < state_count; ++s) head.fixed(states[s], 4);
     const View plain = bits.finish();
@@ -404,9 +418,7 @@ SymbolReader::SymbolReader(View stream, size_t count) : state_count_(states_for(
             std::fill_n(slots + f.start[t], f.frequency[t], static_cast<uint8_t>(t));
         }
     }
-    unsigned loud = 0;  // the first context in which zeros are not nearly certain
-    while (loud < kTokenContexts && contexts_[loud].shares[0].frequency >= kNearlyCertain) ++loud;
-    quiet_ = (0x80 - loud) * 0x01010101u;
+    quiet_ = count_quiet([&](size_t c) { return contexts_[c].shares[0].frequency; });
     for (size_t c = 0; c < kTokenContexts; ++c)
         others_[c] = kScale - contexts_[c].shares[0].frequency;
     const uint64_t words = head.length();
@@ -464,34 +476,12 @@ void SymbolReader::read_tokens(const uint8_t* contexts, size_t count) {
     if (state_count_ == kStates) {
         for (; turn_ != 0 && i < count; ++i) one(i);
         auto [a, b, c, d] = states_;
-        const uint32_t quiet = quiet_;
         uint8_t* const tokens = tokens_.data();
         const uint8_t* word = words_.data() + std::min(word_, words_.size());
         const uint8_t* const begin = word;
         const uint8_t* const end = words_.data() + words_.size();
-        unsigned taken;
-        for (; i + kStates <= count && end - word >= std::ptrdiff_t(2 * kStates); i += kStates) {
-            uint32_t four;
-            std::memcpy(&four, contexts + i, sizeof four);
-            if (((four + quiet) & 0x80808080) == 0) {
-                // Four zeros and no word are foreseen: one step that needs none of the tables.
-                const uint64_t u = others_[contexts[i]], v = others_[contexts[i + 1]],
-                               w = others_[contexts[i + 2]], z = others_[contexts[i + 3]];
-                const uint64_t p = a - (a >> kScaleBits) * u, q = b - (b >> kScaleBits) * v,
-                               r = c - (c >> kScaleBits) * w, s = d - (d >> kScaleBits) * z;
-                const uint64_t beyond = ((a & kSlots) + u) | ((b & kSlots) + v) |
-                                        ((c & kSlots) + w) | ((d & kSlots) + z);
-                const uint64_t below = (p - kLowestState) | (q - kLowestState) |
-                                       (r - kLowestState) | (s - kLowestState);
-                if (((beyond & kScale) | below >> 63) == 0) [[likely]] {
-                    a = static_cast<uint32_t>(p);
-                    b = static_cast<uint32_t>(q);
-                    c = static_cast<uint32_t>(r);
-                    d = static_cast<uint32_t>(s);
-                    std::memset(tokens + i, 0, kStates);
-                    continue;
-                }
-            }
+        const auto four = [&] {
+            unsigned taken;
             a = next(a, contexts[i], tokens[i], word_at(word), taken);
             word += 2 * taken;
             b = next(b, contexts[i + 1], tokens[i + 1], word_at(word), taken);
@@ -500,6 +490,37 @@ void SymbolReader::read_tokens(const uint8_t* contexts, size_t count) {
             word += 2 * taken;
             d = next(d, contexts[i + 3], tokens[i + 3], word_at(word), taken);
             word += 2 * taken;
+        };
+        const auto more = [&] {
+            return i + kStates <= count && end - word >= std::ptrdiff_t(2 * kStates);
+        };
+        if (quiet_ == 0) {
+            for (; more(); i += kStates) four();
+        } else {
+            // In quiet contexts, four zeros and no word are foreseen: a step without the tables.
+            const uint32_t loud = (0x80 - quiet_) * 0x01010101u;  // sets bit 7 of other contexts
+            const auto zeros = [&] {
+                uint32_t around;
+                std::memcpy(&around, contexts + i, sizeof around);
+                if (((around + loud) & 0x80808080) != 0) return false;
+                const uint64_t u = others_[contexts[i]], v = others_[contexts[i + 1]],
+                               w = others_[contexts[i + 2]], z = others_[contexts[i + 3]];
+                const uint64_t p = a - (a >> kScaleBits) * u, q = b - (b >> kScaleBits) * v,
+                               r = c - (c >> kScaleBits) * w, s = d - (d >> kScaleBits) * z;
+                const uint64_t beyond = ((a & kSlots) + u) | ((b & kSlots) + v) |
+                                        ((c & kSlots) + w) | ((d & kSlots) + z);
+                const uint64_t below = (p - kLowestState) | (q - kLowestState) |
+                                       (r - kLowestState) | (s - kLowestState);
+                if (((beyond & kScale) | below >> 63) != 0) return false;
+                a = static_cast<uint32_t>(p);
+                b = static_cast<uint32_t>(q);
+                c = static_cast<uint32_t>(r);
+                d = static_cast<uint32_t>(s);
+                std::memset(tokens + i, 0, kStates);
+                return true;
+            };
+            for (; more(); i += kStates)
+                if (!zeros()) four();
         }
         word_ += size_t(word - begin);
         states_ = {a, b, c, d};
@@ -534,13 +555,14 @@ void SymbolReader::read_each(const uint8_t* contexts, const uint8_t* tokens, siz
 /// on them.
 void SymbolReader::read_values(const uint8_t* contexts, size_t count, std::int32_t* values) {
     constexpr size_t kAtOnce = 8;
+    const unsigned first_shifted = first_shifted_;
     size_t i = 0;
     for (; i + kAtOnce <= count; i += kAtOnce) {
         const uint8_t* const tokens = &tokens_[i];
         const uint64_t all = eight_bytes_at(tokens);
         // A byte of 15 or more has bit 4 after 1 is added.
         if (((all + 0x0101010101010101u) & 0x1010101010101010u) != 0 ||
-            !unshifted(contexts + i, first_shifted_)) {
+            !unshifted(contexts + i, first_shifted)) {
             read_each(contexts + i, tokens, kAtOnce, values + i);
             continue;
         }

@@ -61,7 +61,7 @@ class SymbolReader {
     std::vector<std::uint8_t> tokens_;  ///< of one call
     unsigned first_shifted_ = kTokenContexts;               ///< contexts below have no shift
     std::array<std::uint32_t, kTokenContexts> others_ = {};  ///< frequency of all tokens but zero
-    std::uint32_t quiet_ = 0;           ///< four contexts plus this have no bit 7: zeros are likely
+    unsigned quiet_ = 0;  ///< so many contexts, from the first on, have hardly anything but zeros
     std::array<std::uint32_t, kStates> states_{};
     View words_, bits_;
     std::size_t word_ = 0, bit_byte_ = 0;
