@@ -183,8 +183,8 @@ Measured measure(const Tile& tile, const PlaneCoding& plane) {
     coding.low = extremes.least;
     coding.high = extremes.most;
     measured.range = int64_t(coding.high) - coding.low;
-    coding.marks_low = count_of(coding.low, tile.values.data(), tile.values.size()) >
-                       tile.values.size() / 10;
+    coding.marks_low =
+        count_of(coding.low, tile.values.data(), tile.values.size()) > tile.values.size() / 10;
     measured.table = values_apart(tile, coding.low, coding.high, coding.bounds.finest);
     return measured;
 }
@@ -331,8 +331,8 @@ std::optional<double> estimate_squared_error(const PlaneCoding& coding, int thre
     constexpr int kRows = 32, kEvery = 4 * kRows;
     std::vector<double> sums(coding.tiles()), pixels(coding.tiles());
     std::atomic<bool> too_wide = coding.bounds.finest > kTableRange;
-    const bool done = for_each_place(
-        coding, threads, stop, [&](size_t t, const Place& place, Scratch& scratch) {
+    const bool done =
+        for_each_place(coding, threads, stop, [&](size_t t, const Place& place, Scratch& scratch) {
             const bool all = place.height < 2 * kEvery;
             const int rows = all ? place.height : kRows;
             for (int y = 0; y + rows <= place.height && !too_wide; y += all ? rows : kEvery) {

@@ -66,9 +66,10 @@ void Scale::densities(const std::int32_t* from, std::size_t count, float* to) co
     std::int32_t used = 0;  // bits of the magnitudes, less 1 below 0
     for (std::size_t i = 0; i < count; ++i) used |= from[i] ^ from[i] >> 31;
     if (kind == Kind::ratio && used < kExactFloats && divisor <= kExactFloats) {
-        // The quotient of floats, rounded once, is the same: that of doubles is never halfway between
-        // two floats, n / 2^s with n odd and above 2^24, as n would divide k. Off by at least
-        // 1 / (n divisor) of itself, over 2^-49, it keeps its side when it is rounded to a double.
+        // The quotient of floats, rounded once, is the same: that of doubles is never halfway
+        // between two floats, n / 2^s with n odd and above 2^24, as n would divide k. Off by at
+        // least 1 / (n divisor) of itself, over 2^-49, it keeps its side when it is rounded to a
+        // double.
         const auto by = static_cast<float>(divisor);
         for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<float>(from[i]) / by;
     } else if (kind == Kind::ratio) {

@@ -120,9 +120,9 @@ double prequantised_rms(const Grid<float>& map, const Scale& scale, int64_t boun
     double squares = 0;
     for (Eigen::Index j = 0; j < map.rows(); ++j) {
         scale.integers(map.data() + size_t(j) * width, width, row.data());
-        squares += narrow ? squared_remainders_narrow(row.data(), width, low,
-                                                      static_cast<int32_t>(step))
-                          : squared_remainders(row.data(), width, low, static_cast<double>(step));
+        squares +=
+            narrow ? squared_remainders_narrow(row.data(), width, low, static_cast<int32_t>(step))
+                   : squared_remainders(row.data(), width, low, static_cast<double>(step));
     }
     return std::sqrt(squares / static_cast<double>(map.size())) * double(scale.density(1));
 }

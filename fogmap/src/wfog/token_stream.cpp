@@ -345,8 +345,9 @@ void write_symbols(std::span<const std::int32_t> values, std::span<const uint8_t
         while (shifts[c] < kMaxShift && (sums[c] >> shifts[c]) > 5 * seen[c]) ++shifts[c];
         if (shifts[c] > 0) first_shifted = static_cast<unsigned>(c);
     }
-    // Signs, and at most 63 bits with what last tokens leave open.
-    BitWriter bits(beyond ? 8 * count : count / 8, scratch);
+    // A symbol takes at most 63 bits, and where none is beyond the last token 8: its sign with five
+    // bits that say so, or with a shift of at most 2.
+    BitWriter bits(beyond ? 8 * count : count, scratch);
     put_plain_bits(values, contexts.data(), shifts, first_shifted, indices.data(), bits);
     if (first_shifted < kTokenContexts) counts = count_indices(indices);
 

@@ -58,8 +58,8 @@ class SymbolReader {
 
     std::array<Context, kTokenContexts> contexts_;
     std::unique_ptr<std::uint8_t[]> slots_;
-    std::vector<std::uint8_t> tokens_;  ///< of one call
-    unsigned first_shifted_ = kTokenContexts;               ///< contexts below have no shift
+    std::vector<std::uint8_t> tokens_;                       ///< of one call
+    unsigned first_shifted_ = kTokenContexts;                ///< contexts below have no shift
     std::array<std::uint32_t, kTokenContexts> others_ = {};  ///< frequency of all tokens but zero
     unsigned quiet_ = 0;  ///< so many contexts, from the first on, have hardly anything but zeros
     std::array<std::uint32_t, kStates> states_{};
