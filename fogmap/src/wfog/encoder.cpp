@@ -147,8 +147,8 @@ class PixelEncoder {
         if (choices.size() == 1) return encode_within(choices[0]);
         const double enough =
             kThreeDecibels * prequantised_rms(source_.map(), head_.scale, allowed_);
-        // The other coder's errors may be a little less than the estimate.
-        const double hopeful = enough * (options_.best ? 1.03 : 1);
+        // The true errors may be a little less than the estimate.
+        const double hopeful = enough * 1.03;
         size_t choice = 0;
         for (; choice + 1 < choices.size(); ++choice) {
             const auto rms = estimate_rms(choices[choice]);
@@ -176,11 +176,10 @@ class PixelEncoder {
 
     std::optional<double> estimate_rms(const Bounds& bounds) {
         head_.bounds = bounds;
-        const auto squares = estimate_squared_errors(coding(), options_.threads, options_.stop,
-                                                     tiles_of(source_.map(), head_.scale));
-        if (!squares) return {};
-        return std::sqrt(*squares / static_cast<double>(source_.map().size())) *
-               double(head_.scale.density(1));
+        const auto square = estimate_squared_error(coding(), options_.threads, options_.stop,
+                                                   tiles_of(source_.map(), head_.scale));
+        if (!square) return {};
+        return std::sqrt(*square) * double(head_.scale.density(1));
     }
 
     /// With the scale as it is.
@@ -232,7 +231,7 @@ class PixelEncoder {
 
     void choose_scale(double error, double coarseness = 1) {
         find_scale(error, coarseness);
-        smooth_ = allowed_ > 1 && share_foretold(source_.map(), head_.scale, allowed_) > 0.95;
+        smooth_ = allowed_ > 1 && mostly_foretold(source_.map(), head_.scale, allowed_, 0.95);
     }
 
     void find_scale(double error, double coarseness) {

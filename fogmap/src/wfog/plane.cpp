@@ -50,6 +50,39 @@ Place place_of(size_t tile, const PlaneCoding& coding) {
     return {x, y, std::min(side, coding.width - x), std::min(side, coding.height - y)};
 }
 
+/// Calls body(at, count) for pieces of `values`, in order, each of one value only: 16 at once where
+/// they are as the one before, else one after the other. False as soon as `body` is.
+template <class Body>
+bool for_each_piece(std::span<const int32_t> values, Body body) {
+    constexpr size_t kAtOnce = 16;
+    size_t at = 0;
+    int32_t last = values[0];
+    for (; at + kAtOnce <= values.size(); at += kAtOnce) {
+        const int32_t* const next = values.data() + at;
+        int32_t differ = 0;
+        for (size_t i = 0; i < kAtOnce; ++i) differ |= next[i] ^ last;
+        if (differ == 0) {
+            if (!body(at, kAtOnce)) return false;
+            continue;
+        }
+        last = next[kAtOnce - 1];
+        for (size_t i = 0; i < kAtOnce; ++i)
+            if (!body(at + i, size_t(1))) return false;
+    }
+    for (; at < values.size(); ++at)
+        if (!body(at, size_t(1))) return false;
+    return true;
+}
+
+/// Puts replacement(value) where each value is.
+template <class Replacement>
+void replace_values(Tile& tile, Replacement replacement) {
+    for_each_piece(tile.values, [&](size_t at, size_t count) {
+        std::fill_n(&tile.values[at], count, replacement(tile.values[at]));
+        return true;
+    });
+}
+
 /// The values of a tile, rising, if their ranks are as good: so far apart that none could stand for
 /// two, and with as many that do not occur between. Else nothing.
 std::vector<int32_t> values_apart(const Tile& tile, int32_t low, int32_t high, int64_t bound) {
@@ -57,11 +90,13 @@ std::vector<int32_t> values_apart(const Tile& tile, int32_t low, int32_t high, i
     if (range == 0 || range >= kMaxPackedRange) return {};
     std::vector<std::uint8_t> occurs(size_t(range) + 1);
     int64_t left = (range + 1) / 2;
-    for (const int32_t value : tile.values) {
-        if (occurs[size_t(value - low)]) continue;
-        if (left-- == 0) return {};
-        occurs[size_t(value - low)] = 1;
-    }
+    const bool few = for_each_piece(tile.values, [&](size_t at, size_t) {
+        std::uint8_t& here = occurs[size_t(tile.values[at] - low)];
+        if (here) return true;
+        here = 1;
+        return left-- > 0;
+    });
+    if (!few) return {};
     std::vector<int32_t> values;
     for (int64_t k = 0; k <= range; ++k) {
         if (!occurs[size_t(k)]) continue;
@@ -76,7 +111,7 @@ void to_ranks(const std::vector<int32_t>& table, Tile& tile) {
     std::vector<int32_t> ranks(size_t(int64_t(table.back()) - table[0]) + 1);
     for (size_t r = 0; r < table.size(); ++r)
         ranks[size_t(table[r] - table[0])] = static_cast<int32_t>(r);
-    for (int32_t& value : tile.values) value = ranks[size_t(value - table[0])];
+    replace_values(tile, [&](int32_t value) { return ranks[size_t(value - table[0])]; });
 }
 
 void use_ranks(const std::vector<int32_t>& table, TileCoding& coding) {
@@ -86,7 +121,7 @@ void use_ranks(const std::vector<int32_t>& table, TileCoding& coding) {
 }
 
 void from_ranks(const std::vector<int32_t>& table, Tile& tile) {
-    for (int32_t& value : tile.values) value = table[size_t(value)];
+    replace_values(tile, [&](int32_t value) { return table[size_t(value)]; });
 }
 
 /// The differences of a table that starts at `low`.
@@ -124,6 +159,14 @@ Extremes extremes_of(const int32_t* values, size_t count) {
     return {least, most};
 }
 
+/// How many of at most 2^31 values are `value`.
+WAVEFOG_VECTOR_CLONES
+size_t count_of(int32_t value, const int32_t* values, size_t count) {
+    std::uint32_t found = 0;
+    for (size_t i = 0; i < count; ++i) found += values[i] == value ? 1 : 0;
+    return found;
+}
+
 /// What a tile's values are coded with, but the coder.
 struct Measured {
     TileCoding coding;
@@ -140,22 +183,31 @@ Measured measure(const Tile& tile, const PlaneCoding& plane) {
     coding.low = extremes.least;
     coding.high = extremes.most;
     measured.range = int64_t(coding.high) - coding.low;
-    const auto lows = std::count(tile.values.begin(), tile.values.end(), coding.low);
-    coding.marks_low = size_t(lows) > tile.values.size() / 10;
+    coding.marks_low =
+        count_of(coding.low, tile.values.data(), tile.values.size()) > tile.values.size() / 10;
     measured.table = values_apart(tile, coding.low, coding.high, coding.bounds.finest);
     return measured;
+}
+
+/// Calls body(t, place, scratch) for every tile. False if stopped.
+template <class Body>
+bool for_each_place(const PlaneCoding& coding, int threads, const std::stop_token& stop,
+                    Body body) {
+    return for_each_parallel(coding.tiles(), threads, stop, [&](size_t t, Scratch& scratch) {
+        const StandardFloats standard;
+        body(t, place_of(t, coding), scratch);
+    });
 }
 
 /// Calls body(t, place, tile, scratch) for every tile, its values not set. False if stopped.
 template <class Body>
 bool for_each_tile(const PlaneCoding& coding, int threads, const std::stop_token& stop, Body body) {
-    return for_each_parallel(coding.tiles(), threads, stop, [&](size_t t, Scratch& scratch) {
-        const StandardFloats standard;
-        const Place place = place_of(t, coding);
-        scratch.clear();
-        Tile tile(place.width, place.height, scratch);
-        body(t, place, tile, scratch);
-    });
+    return for_each_place(coding, threads, stop,
+                          [&](size_t t, const Place& place, Scratch& scratch) {
+                              scratch.clear();
+                              Tile tile(place.width, place.height, scratch);
+                              body(t, place, tile, scratch);
+                          });
 }
 
 std::vector<Bytes> encode_tile(Tile& tile, const PlaneCoding& plane, bool best, Scratch& scratch) {
@@ -273,21 +325,30 @@ PlaneResult decode_plane(const PlaneViews& streams, const PlaneCoding& coding, i
     return damaged ? PlaneResult::damaged : done ? PlaneResult::done : PlaneResult::stopped;
 }
 
-std::optional<double> estimate_squared_errors(const PlaneCoding& coding, int threads,
-                                              const std::stop_token& stop,
-                                              const TileSource& source) {
-    std::vector<double> sums(coding.tiles());
+std::optional<double> estimate_squared_error(const PlaneCoding& coding, int threads,
+                                             const std::stop_token& stop,
+                                             const TileSource& source) {
+    constexpr int kRows = 32, kEvery = 4 * kRows;
+    std::vector<double> sums(coding.tiles()), pixels(coding.tiles());
     std::atomic<bool> too_wide = coding.bounds.finest > kTableRange;
-    const bool done = for_each_tile(
-        coding, threads, stop, [&](size_t t, const Place& place, Tile& tile, Scratch& scratch) {
-            source(place, tile);
-            const Measured measured = measure(tile, coding);
-            if (measured.range > kTableRange) too_wide = true;
-            if (too_wide || measured.range == 0 || !measured.table.empty()) return;
-            sums[t] = squared_errors(tile, measured.coding, scratch);
+    const bool done =
+        for_each_place(coding, threads, stop, [&](size_t t, const Place& place, Scratch& scratch) {
+            const bool all = place.height < 2 * kEvery;
+            const int rows = all ? place.height : kRows;
+            for (int y = 0; y + rows <= place.height && !too_wide; y += all ? rows : kEvery) {
+                scratch.clear();
+                Tile strip(place.width, rows, scratch);
+                source({place.x, place.y + y, place.width, rows}, strip);
+                const Measured measured = measure(strip, coding);
+                if (measured.range > kTableRange) too_wide = true;
+                pixels[t] += double(strip.values.size());
+                if (too_wide || measured.range == 0 || !measured.table.empty()) continue;
+                sums[t] += squared_errors(strip, measured.coding, scratch);
+            }
         });
     if (!done || too_wide) return {};
-    return std::accumulate(sums.begin(), sums.end(), 0.0);
+    return std::accumulate(sums.begin(), sums.end(), 0.0) /
+           std::accumulate(pixels.begin(), pixels.end(), 0.0);
 }
 
 }  // namespace wavefog::wfog

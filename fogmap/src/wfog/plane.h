@@ -62,10 +62,9 @@ PlaneResult encode_plane(const PlaneCoding& coding, bool best, int threads,
 PlaneResult decode_plane(const PlaneViews& streams, const PlaneCoding& coding, int threads,
                          const std::stop_token& stop, const TileSink& sink);
 
-/// An estimate of the sum of the squared errors that encoding would leave, without encoding: exact
-/// for tiles that the tables code. Nothing if a tile's range is too wide, or stopped.
-std::optional<double> estimate_squared_errors(const PlaneCoding& coding, int threads,
-                                              const std::stop_token& stop,
-                                              const TileSource& source);
+/// An estimate of the mean squared error that encoding would leave, without encoding, from every
+/// fourth strip of 32 rows. Nothing if a tile's range is too wide, or stopped.
+std::optional<double> estimate_squared_error(const PlaneCoding& coding, int threads,
+                                             const std::stop_token& stop, const TileSource& source);
 
 }  // namespace wavefog::wfog

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdlib>
+#include <cstring>
 #include <iterator>
 
 #include "vector_clones.h"
@@ -15,6 +16,9 @@ namespace wavefog::wfog {
 namespace {
 
 constexpr double kMostInteger = (1 << 30) - 1;
+constexpr std::int32_t kExactFloats = 1 << 24;
+/// Below, products of floats are near enough to the integer that they stand for.
+constexpr double kNearIntegers = 1 << 20;
 
 /// Rises with the density.
 std::int32_t ordered_bits(float density, unsigned shift = 0) {
@@ -78,7 +82,16 @@ std::optional<std::int32_t> Scale::integer(float value) const {
 
 WAVEFOG_VECTOR_CLONES
 void Scale::densities(const std::int32_t* from, std::size_t count, float* to) const {
-    if (kind == Kind::ratio) {
+    std::int32_t used = 0;  // bits of the magnitudes, less 1 below 0
+    for (std::size_t i = 0; i < count; ++i) used |= from[i] ^ from[i] >> 31;
+    if (kind == Kind::ratio && used < kExactFloats && divisor <= kExactFloats) {
+        // The quotient of floats, rounded once, is the same: that of doubles is never halfway
+        // between two floats, n / 2^s with n odd and above 2^24, as n would divide k. Off by at
+        // least 1 / (n divisor) of itself, over 2^-49, it keeps its side when it is rounded to a
+        // double.
+        const auto by = static_cast<float>(divisor);
+        for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<float>(from[i]) / by;
+    } else if (kind == Kind::ratio) {
         const double by = divisor;
         for (std::size_t i = 0; i < count; ++i)
             to[i] = static_cast<float>(static_cast<double>(from[i]) / by);
@@ -108,6 +121,16 @@ bool Scale::integers(const float* from, std::size_t count, std::int32_t* to) con
         largest = largest < bits ? bits : largest;
     }
     // The loops have no branches, so that compilers make vectors of them.
+    if (kind == Kind::ratio && divisor < kExactFloats &&
+        double(std::bit_cast<float>(largest)) * divisor < kNearIntegers) {
+        // Densities of the scale are near an integer; what is not may be rounded either way.
+        const auto by = static_cast<float>(divisor);
+        for (std::size_t i = 0; i < count; ++i) {
+            const float k = from[i] * by;
+            to[i] = static_cast<std::int32_t>(k + std::copysign(0.5f, k));
+        }
+        return true;
+    }
     const auto convert = [&](auto scaled) {
         if (scaled(double(std::bit_cast<float>(largest))) <= kMostInteger) {
             for (std::size_t i = 0; i < count; ++i) {
@@ -156,29 +179,33 @@ bool has_all(const Scale& scale, const Grid<float>& map, double tolerance) {
         const std::size_t count = std::min(kBlock, size - at);
         if (!scale.integers(values, count, integers.data())) return false;
         scale.densities(integers.data(), count, back.data());
+        if (std::memcmp(back.data(), values, count * sizeof(float)) == 0) continue;
         if (!(double(largest_difference(back.data(), values, count)) <= tolerance)) return false;
     }
     return true;
 }
 
-/// The value of that rank, counted from the least.
+/// The value of that rank, counted from the least; near the last one.
 float ranked(const Grid<float>& map, std::size_t rank) {
-    // By the upper half of bits that rise with the value; then only those that share it are sorted.
-    const auto key = [](float value) {
-        const auto bits = std::bit_cast<std::uint32_t>(value);
-        return bits ^ (bits >> 31 ? 0xffffffffu : 0x80000000u);
-    };
-    std::vector<std::uint32_t> counts(1 << 16);
     const float* const begin = map.data();
     const float* const end = begin + map.size();
-    for (const float* value = begin; value != end; ++value) ++counts[key(*value) >> 16];
-    std::uint32_t upper = 0;
-    for (; rank >= counts[upper]; ++upper) rank -= counts[upper];
-    std::vector<float> same;
-    std::copy_if(begin, end, std::back_inserter(same),
-                 [&](float value) { return key(value) >> 16 == upper; });
-    std::nth_element(same.begin(), same.begin() + static_cast<std::ptrdiff_t>(rank), same.end());
-    return same[rank];
+    const auto nth = [](std::vector<float>& values, std::size_t n) {
+        std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(n),
+                         values.end());
+        return values[n];
+    };
+    // A sample tells from where on to look, so that few have to be sorted.
+    constexpr std::ptrdiff_t kEvery = 61;
+    std::vector<float> some;
+    for (const float* value = begin; value < end; value += std::min(kEvery, end - value))
+        some.push_back(*value);
+    const float from = nth(some, some.size() * 99 / 100);
+    some.clear();
+    std::copy_if(begin, end, std::back_inserter(some), [&](float value) { return value >= from; });
+    const auto below = static_cast<std::size_t>(map.size()) - some.size();
+    if (rank >= below) return nth(some, rank - below);
+    some.assign(begin, end);
+    return nth(some, rank);
 }
 
 }  // namespace

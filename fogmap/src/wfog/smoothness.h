@@ -8,9 +8,9 @@
 
 namespace wavefog::wfog {
 
-/// The share of pixels that follow within `bound` from the mean of the four around them; of those
-/// inside the map, of every other row.
-double share_foretold(const Grid<float>& map, const Scale& scale, std::int64_t bound);
+/// Whether more than `share` of the pixels follow within `bound` from the mean of the four around
+/// them; of those inside the map, of every other row.
+bool mostly_foretold(const Grid<float>& map, const Scale& scale, std::int64_t bound, double share);
 
 /// RMS error, in densities, of every integer moved to the nearest of those that are 2 bound + 1
 /// apart, beginning with the least.

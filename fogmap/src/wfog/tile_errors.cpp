@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
+#include <cstring>
 #include <numeric>
 #include <vector>
 
@@ -20,9 +22,11 @@ void Errors::add(const Errors& other) {
 
 WAVEFOG_VECTOR_CLONES
 Errors errors_of(const float* original, const float* decoded, size_t count) {
-    int negative = 0;
-    for (size_t i = 0; i < count; ++i)
-        negative |= (original[i] >= 0 ? 1 : 0) & (decoded[i] < 0 ? 1 : 0);
+    std::uint32_t signs = 0;  // -0 is seen as well
+    for (size_t i = 0; i < count; ++i) signs |= std::bit_cast<std::uint32_t>(decoded[i]);
+    bool negative = false;
+    for (size_t i = 0; i < count && signs >> 31 != 0; ++i)
+        negative = negative || (original[i] >= 0 && decoded[i] < 0);
     // Sums of every eighth pixel, side by side: an order that vectors can keep.
     constexpr size_t kLanes = 8;
     std::array<double, kLanes> squares{};
@@ -35,7 +39,7 @@ Errors errors_of(const float* original, const float* decoded, size_t count) {
         for (size_t lane = 0; lane < kLanes; ++lane) add(i + lane, lane);
     for (; i < count; ++i) add(i, 0);
     return {double(largest_difference(original, decoded, count)),
-            std::accumulate(squares.begin(), squares.end(), 0.0), negative != 0};
+            std::accumulate(squares.begin(), squares.end(), 0.0), negative};
 }
 
 bool TileErrors::add(size_t tile, const Place& place, const Tile& values) {
@@ -46,11 +50,12 @@ bool TileErrors::add(size_t tile, const Place& place, const Tile& values) {
     for (int j = 0; j < place.height; ++j) {
         const size_t at = place.index(j, static_cast<int>(map_.cols()));
         const float* const original = map_.data() + at;
+        float* const row = decoded_ ? decoded_->data() + at : densities.data();
+        scale_.densities(values.row(j), width, row);
+        if (std::memcmp(row, original, width * sizeof(float)) == 0) continue;  // nothing is lost
         if (exact_ && !(scale_.integers(original, width, integers.data()) &&
                         std::equal(integers.begin(), integers.end(), values.row(j))))
             return false;
-        float* const row = decoded_ ? decoded_->data() + at : densities.data();
-        scale_.densities(values.row(j), width, row);
         errors.add(errors_of(original, row, width));
     }
     errors_[tile] = errors;

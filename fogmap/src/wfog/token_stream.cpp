@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdlib>
+#include <cstring>
 
 #include "context_mixer.h"
 #include "vector_clones.h"
@@ -20,9 +21,11 @@ using std::uint8_t;
 
 constexpr unsigned kScaleBits = 12;
 constexpr uint32_t kScale = 1u << kScaleBits;
+constexpr uint32_t kSlots = kScale - 1;  ///< mask
 constexpr uint32_t kLowestState = 1u << 16;
 constexpr unsigned kLargest = kTokens - 1;
 constexpr unsigned kMaxShift = 20;
+constexpr uint32_t kNearlyCertain = 3900;  ///< the frequency of a token
 
 /// One state instead of four where their bytes would weigh.
 size_t states_for(size_t count) {
@@ -58,6 +61,15 @@ Frequencies frequencies_of(const TokenModel& model) {
         sum += f.frequency[t];
     }
     return f;
+}
+
+/// `frequency(c)`: of zeros in context c. How many contexts, from the first on, in which zeros are
+/// nearly certain: runs of them are worth a way of their own.
+template <class Frequency>
+unsigned count_quiet(Frequency frequency) {
+    unsigned quiet = 0;
+    while (quiet < kTokenContexts && frequency(quiet) >= kNearlyCertain) ++quiet;
+    return quiet;
 }
 
 /// `counts`: of each token.
@@ -109,8 +121,15 @@ Counts count_indices(std::span<const std::uint16_t> indices) {
     // Four tables side by side: runs of one index do not wait for each other's sums.
     std::array<Counts, 4> parts{};
     size_t i = 0;
-    for (; i + 4 <= indices.size(); i += 4)
-        for (size_t p = 0; p < 4; ++p) ++parts[p][indices[i + p]];
+    for (; i + 8 <= indices.size(); i += 8) {
+        std::array<uint64_t, 2> eight;
+        std::memcpy(eight.data(), &indices[i], sizeof eight);
+        if (eight[0] == eight[1] && eight[0] == indices[i] * uint64_t(0x0001000100010001)) {
+            parts[0][indices[i]] += 8;
+            continue;
+        }
+        for (size_t p = 0; p < 8; ++p) ++parts[p % 4][indices[i + p]];
+    }
     for (; i < indices.size(); ++i) ++parts[0][indices[i]];
     Counts counts{};
     for (size_t k = 0; k < kIndices; ++k)
@@ -163,11 +182,34 @@ uint32_t sign_of(std::int32_t value) {
     return static_cast<uint32_t>(value) >> 31;
 }
 
-/// Where no context has a shift: signs, and what last tokens leave open.
-void put_signs(std::span<const std::int32_t> values, const std::uint16_t* indices,
-               BitWriter& writer) {
+/// Contexts below `first` have no shift. Whether eight of them, side by side, are such.
+bool unshifted(const uint8_t* eight_contexts, unsigned first) {
+    uint64_t eight;
+    std::memcpy(&eight, eight_contexts, sizeof eight);
+    return ((eight + (0x80 - first) * 0x0101010101010101u) & 0x8080808080808080u) == 0;
+}
+
+/// One symbol's signs, and what its token leaves open; the token follows from the shift.
+void put_rest(std::int32_t value, uint8_t context, unsigned shift, std::uint16_t& index,
+              BitWriter& bits) {
+    const uint32_t m = magnitude_of(value);
+    const uint32_t token = std::min(m >> shift, uint32_t(kLargest));
+    index = static_cast<std::uint16_t>(context * kTokens + token);
+    if (token == kLargest) put_escaped(m >> shift, bits);
+    bits.put(m & ((1u << shift) - 1), shift);
+    bits.put(sign_of(value), m > 0 ? 1 : 0);
+}
+
+/// Signs and what tokens leave open. Indices are those without shifts, and become those with.
+void put_plain_bits(std::span<const std::int32_t> values, const uint8_t* contexts,
+                    const std::array<unsigned, kTokenContexts>& shifts, unsigned first_shifted,
+                    std::uint16_t* indices, BitWriter& writer) {
     BitWriter bits = writer;  // nobody else sees it: it may live in registers
     constexpr size_t kAtOnce = 8;
+    const auto put_each = [&](size_t begin, size_t end) {
+        for (size_t k = begin; k < end; ++k)
+            put_rest(values[k], contexts[k], shifts[contexts[k]], indices[k], bits);
+    };
     size_t i = 0;
     for (; i + kAtOnce <= values.size(); i += kAtOnce) {
         unsigned some = 0, last = 0;
@@ -176,14 +218,11 @@ void put_signs(std::span<const std::int32_t> values, const std::uint16_t* indice
             some |= token;
             last |= token == kLargest ? 1 : 0;
         }
-        if (some == 0) continue;
-        if (last != 0) {
-            for (size_t k = i; k < i + kAtOnce; ++k) {
-                if (indices[k] % kTokens == kLargest) put_escaped(magnitude_of(values[k]), bits);
-                bits.put(sign_of(values[k]), values[k] != 0 ? 1 : 0);
-            }
+        if (last != 0 || !unshifted(contexts + i, first_shifted)) {
+            put_each(i, i + kAtOnce);
             continue;
         }
+        if (some == 0) continue;
         uint32_t signs = 0;
         unsigned count = 0;
         for (size_t k = i; k < i + kAtOnce; ++k) {
@@ -192,10 +231,7 @@ void put_signs(std::span<const std::int32_t> values, const std::uint16_t* indice
         }
         bits.put(signs, count);
     }
-    for (; i < values.size(); ++i) {
-        if (indices[i] % kTokens == kLargest) put_escaped(magnitude_of(values[i]), bits);
-        bits.put(sign_of(values[i]), values[i] != 0 ? 1 : 0);
-    }
+    put_each(i, values.size());
     writer = bits;
 }
 
@@ -219,6 +255,12 @@ Step step_of(uint32_t frequency, uint32_t start) {
 
 __extension__ using Wide = unsigned __int128;
 
+/// By a token, a state that has room for it.
+inline uint32_t taken_in(uint32_t state, const Step& step) {
+    const auto quotient = static_cast<uint32_t>(Wide(state) * step.inverse >> 64);
+    return state + step.bias + quotient * step.complement;
+}
+
 /// Writes downwards from `word`, or leaves it where it is; what it would write there is
 /// overwritten.
 inline void take_in(uint32_t& state, const Step& step, std::uint16_t*& word) {
@@ -227,13 +269,13 @@ inline void take_in(uint32_t& state, const Step& step, std::uint16_t*& word) {
     word[-1] = static_cast<std::uint16_t>(x & 0xffff);
     word -= full;
     x >>= 16 * full;
-    const auto quotient = static_cast<uint32_t>(Wide(x) * step.inverse >> 64);
-    state = x + step.bias + quotient * step.complement;
+    state = taken_in(x, step);
 }
 
 /// Indices into `steps`; backwards, so that a decoder reads forwards. Returns where words begin.
+/// `quiet`: as count_quiet() says.
 std::uint16_t* take_in_all(const std::uint16_t* indices, size_t count, const Step* steps,
-                           std::array<uint32_t, 4>& states, size_t state_count,
+                           unsigned quiet, std::array<uint32_t, 4>& states, size_t state_count,
                            std::uint16_t* word) {
     size_t i = count;
     if (state_count == 1) {
@@ -243,6 +285,21 @@ std::uint16_t* take_in_all(const std::uint16_t* indices, size_t count, const Ste
     for (; i % 4 != 0; --i) take_in(states[(i - 1) % 4], steps[indices[i - 1]], word);
     auto [a, b, c, d] = states;
     for (; i > 0; i -= 4) {
+        uint64_t four;
+        std::memcpy(&four, indices + i - 4, sizeof four);
+        // Bit 15: a context that is not quiet. Lowest bits: tokens.
+        if (((four + (0x8000 - quiet * kTokens) * 0x0001000100010001) & 0x800f800f800f800f) == 0) {
+            // That a state is full is rare.
+            const Step &of_a = steps[indices[i - 4]], &of_b = steps[indices[i - 3]],
+                       &of_c = steps[indices[i - 2]], &of_d = steps[indices[i - 1]];
+            if (a < of_a.limit && b < of_b.limit && c < of_c.limit && d < of_d.limit) [[likely]] {
+                a = taken_in(a, of_a);
+                b = taken_in(b, of_b);
+                c = taken_in(c, of_c);
+                d = taken_in(d, of_d);
+                continue;
+            }
+        }
         take_in(d, steps[indices[i - 1]], word);
         take_in(c, steps[indices[i - 2]], word);
         take_in(b, steps[indices[i - 3]], word);
@@ -279,54 +336,46 @@ void write_symbols(std::span<const std::int32_t> values, std::span<const uint8_t
             if (m > kLargest) sums[contexts[i]] += m - kLargest;
         }
     std::array<unsigned, kTokenContexts> shifts{};
-    bool shifted = false;
-    for (size_t c = 0; c < kTokenContexts; ++c) {
+    unsigned first_shifted = kTokenContexts;
+    for (size_t c = kTokenContexts; c-- > 0;) {
         for (size_t t = 0; t < kTokens; ++t) {
             seen[c] += counts[c * kTokens + t];
             sums[c] += uint64_t(counts[c * kTokens + t]) * t;
         }
         while (shifts[c] < kMaxShift && (sums[c] >> shifts[c]) > 5 * seen[c]) ++shifts[c];
-        shifted = shifted || shifts[c] > 0;
+        if (shifts[c] > 0) first_shifted = static_cast<unsigned>(c);
     }
-    // Signs, and at most 63 bits with what last tokens leave open.
-    BitWriter bits(beyond ? 8 * count : count / 8, scratch);
-    if (shifted) {
-        for (size_t i = 0; i < count; ++i) {
-            const unsigned c = contexts[i], shift = shifts[c];
-            const uint32_t m = magnitude_of(values[i]);
-            const uint32_t token = std::min(m >> shift, uint32_t(kLargest));
-            indices[i] = static_cast<std::uint16_t>(c * kTokens + token);
-            if (token == kLargest) put_escaped(m >> shift, bits);
-            bits.put(m & ((1u << shift) - 1), shift);
-            bits.put(sign_of(values[i]), m > 0 ? 1 : 0);
-        }
-        counts = count_indices(indices);
-    } else {
-        put_signs(values, indices.data(), bits);
-    }
+    // A symbol takes at most 63 bits, and where none is beyond the last token 8: its sign with five
+    // bits that say so, or with a shift of at most 2.
+    BitWriter bits(beyond ? 8 * count : count, scratch);
+    put_plain_bits(values, contexts.data(), shifts, first_shifted, indices.data(), bits);
+    if (first_shifted < kTokenContexts) counts = count_indices(indices);
 
     Writer head;
     uint32_t used = 0;
     for (size_t c = 0; c < kTokenContexts; ++c) used |= seen[c] > 0 ? 1u << c : 0u;
     head.length(used);
     std::array<Step, kIndices> steps;
+    std::array<uint32_t, kTokenContexts> zeros{};
     for (size_t c = 0; c < kTokenContexts; ++c) {
         if (seen[c] == 0) continue;
         const TokenModel model = model_of(&counts[c * kTokens], shifts[c]);
         const Frequencies f = frequencies_of(model);
+        zeros[c] = f.frequency[0];
         for (size_t t = 0; t < kTokens; ++t)
             steps[c * kTokens + t] = step_of(f.frequency[t], f.start[t]);
         head.byte(model.shift);
         for (const uint8_t stop : model.stops) head.byte(stop);
     }
 
+    const unsigned quiet = count_quiet([&](size_t c) { return zeros[c]; });
     const size_t state_count = states_for(count);
     std::array<uint32_t, 4> states;
     states.fill(kLowestState);
     const std::span<std::uint16_t> words = scratch.take<std::uint16_t>(count + 1);
     std::uint16_t* const end = words.data() + words.size();
     const std::uint16_t* const begin =
-        take_in_all(indices.data(), count, steps.data(), states, state_count, end);
+        take_in_all(indices.data(), count, steps.data(), quiet, states, state_count, end);
     head.length(size_t(end - begin));
     for (size_t s = 0; s < state_count; ++s) head.fixed(states[s], 4);
     const View plain = bits.finish();
@@ -362,7 +411,7 @@ SymbolReader::SymbolReader(View stream, size_t count) : state_count_(states_for(
         if (model.shift > kMaxShift) failed_ = true;
         const Frequencies f = frequencies_of(model);
         context.shift = model.shift;
-        shifts_ = shifts_ || model.shift > 0;
+        if (model.shift > 0) first_shifted_ = std::min(first_shifted_, static_cast<unsigned>(c));
         slots += kScale;
         context.tokens = slots;
         for (size_t t = 0; t < kTokens; ++t) {
@@ -370,6 +419,9 @@ SymbolReader::SymbolReader(View stream, size_t count) : state_count_(states_for(
             std::fill_n(slots + f.start[t], f.frequency[t], static_cast<uint8_t>(t));
         }
     }
+    quiet_ = count_quiet([&](size_t c) { return contexts_[c].shares[0].frequency; });
+    for (size_t c = 0; c < kTokenContexts; ++c)
+        others_[c] = kScale - contexts_[c].shares[0].frequency;
     const uint64_t words = head.length();
     for (size_t s = 0; s < state_count_; ++s) states_[s] = static_cast<uint32_t>(head.fixed(4));
     if (head.failed() || words > head.left() / 2) {
@@ -407,7 +459,7 @@ void SymbolReader::read_tokens(const uint8_t* contexts, size_t count) {
     const auto next = [this](uint32_t x, uint8_t context, uint8_t& token, uint32_t word,
                              unsigned& taken) {
         const Context& c = contexts_[context];
-        const uint32_t slot = x & (kScale - 1);
+        const uint32_t slot = x & kSlots;
         token = c.tokens[slot];
         const Share share = c.shares[token];
         x = share.frequency * (x >> kScaleBits) + slot - share.start;
@@ -429,8 +481,8 @@ void SymbolReader::read_tokens(const uint8_t* contexts, size_t count) {
         const uint8_t* word = words_.data() + std::min(word_, words_.size());
         const uint8_t* const begin = word;
         const uint8_t* const end = words_.data() + words_.size();
-        unsigned taken;
-        for (; i + kStates <= count && end - word >= std::ptrdiff_t(2 * kStates); i += kStates) {
+        const auto four = [&] {
+            unsigned taken;
             a = next(a, contexts[i], tokens[i], word_at(word), taken);
             word += 2 * taken;
             b = next(b, contexts[i + 1], tokens[i + 1], word_at(word), taken);
@@ -439,6 +491,37 @@ void SymbolReader::read_tokens(const uint8_t* contexts, size_t count) {
             word += 2 * taken;
             d = next(d, contexts[i + 3], tokens[i + 3], word_at(word), taken);
             word += 2 * taken;
+        };
+        const auto more = [&] {
+            return i + kStates <= count && end - word >= std::ptrdiff_t(2 * kStates);
+        };
+        if (quiet_ == 0) {
+            for (; more(); i += kStates) four();
+        } else {
+            // In quiet contexts, four zeros and no word are foreseen: a step without the tables.
+            const uint32_t loud = (0x80 - quiet_) * 0x01010101u;  // sets bit 7 of other contexts
+            const auto zeros = [&] {
+                uint32_t around;
+                std::memcpy(&around, contexts + i, sizeof around);
+                if (((around + loud) & 0x80808080) != 0) return false;
+                const uint64_t u = others_[contexts[i]], v = others_[contexts[i + 1]],
+                               w = others_[contexts[i + 2]], z = others_[contexts[i + 3]];
+                const uint64_t p = a - (a >> kScaleBits) * u, q = b - (b >> kScaleBits) * v,
+                               r = c - (c >> kScaleBits) * w, s = d - (d >> kScaleBits) * z;
+                const uint64_t beyond = ((a & kSlots) + u) | ((b & kSlots) + v) |
+                                        ((c & kSlots) + w) | ((d & kSlots) + z);
+                const uint64_t below = (p - kLowestState) | (q - kLowestState) |
+                                       (r - kLowestState) | (s - kLowestState);
+                if (((beyond & kScale) | below >> 63) != 0) return false;
+                a = static_cast<uint32_t>(p);
+                b = static_cast<uint32_t>(q);
+                c = static_cast<uint32_t>(r);
+                d = static_cast<uint32_t>(s);
+                std::memset(tokens + i, 0, kStates);
+                return true;
+            };
+            for (; more(); i += kStates)
+                if (!zeros()) four();
         }
         word_ += size_t(word - begin);
         states_ = {a, b, c, d};
@@ -456,37 +539,36 @@ uint32_t SymbolReader::escaped(unsigned token) {
     return kLargest - 1 + (1u << (length - 1) | bits(length - 1));
 }
 
-template <bool kShifts>
-void SymbolReader::read_values(const uint8_t* contexts, const uint8_t* tokens, size_t count,
-                               std::int32_t* values) {
+void SymbolReader::read_each(const uint8_t* contexts, const uint8_t* tokens, size_t count,
+                             std::int32_t* values) {
     for (size_t i = 0; i < count; ++i) {
         const unsigned token = tokens[i];
         uint32_t m = token;
         if (token >= kLargest) [[unlikely]]
             m = escaped(token);
-        if constexpr (kShifts) {
-            const unsigned shift = contexts_[contexts[i]].shift;
-            m = m << shift | bits(shift);
-        }
-        m &= 0x3fffffff;
+        const unsigned shift = contexts_[contexts[i]].shift;
+        m = (m << shift | bits(shift)) & 0x3fffffff;
         values[i] = with_sign(m, bits(m > 0 ? 1 : 0));
     }
 }
 
-/// Without shifts, eight at once: signs are as good as random, so there are no branches on them.
-void SymbolReader::read_unshifted(const uint8_t* contexts, size_t count, std::int32_t* values) {
+/// Eight at once where there are no shifts: signs are as good as random, so there are no branches
+/// on them.
+void SymbolReader::read_values(const uint8_t* contexts, size_t count, std::int32_t* values) {
     constexpr size_t kAtOnce = 8;
+    const unsigned first_shifted = first_shifted_;
     size_t i = 0;
     for (; i + kAtOnce <= count; i += kAtOnce) {
         const uint8_t* const tokens = &tokens_[i];
         const uint64_t all = eight_bytes_at(tokens);
-        if (all == 0) {
-            std::fill_n(values + i, kAtOnce, 0);
+        // A byte of 15 or more has bit 4 after 1 is added.
+        if (((all + 0x0101010101010101u) & 0x1010101010101010u) != 0 ||
+            !unshifted(contexts + i, first_shifted)) {
+            read_each(contexts + i, tokens, kAtOnce, values + i);
             continue;
         }
-        // A byte of 15 or more has bit 4 after 1 is added.
-        if (((all + 0x0101010101010101u) & 0x1010101010101010u) != 0) {
-            read_values<false>(contexts + i, tokens, kAtOnce, values + i);
+        if (all == 0) {
+            std::fill_n(values + i, kAtOnce, 0);
             continue;
         }
         if (buffered_ < kAtOnce) fill_buffer();
@@ -502,7 +584,7 @@ void SymbolReader::read_unshifted(const uint8_t* contexts, size_t count, std::in
         buffer_ = signs;
         buffered_ -= used;
     }
-    read_values<false>(contexts + i, tokens_.data() + i, count - i, values + i);
+    read_each(contexts + i, tokens_.data() + i, count - i, values + i);
 }
 
 void SymbolReader::read(const uint8_t* contexts, size_t count, std::int32_t* values) {
@@ -512,10 +594,7 @@ void SymbolReader::read(const uint8_t* contexts, size_t count, std::int32_t* val
     }
     if (tokens_.size() < count) tokens_.resize(count);
     read_tokens(contexts, count);
-    if (shifts_)
-        read_values<true>(contexts, tokens_.data(), count, values);
-    else
-        read_unshifted(contexts, count, values);
+    read_values(contexts, count, values);
 }
 
 }  // namespace wavefog::wfog

@@ -49,18 +49,19 @@ class SymbolReader {
         unsigned shift = 0;
     };
     void read_tokens(const std::uint8_t* contexts, std::size_t count);
-    template <bool kShifts>
-    void read_values(const std::uint8_t* contexts, const std::uint8_t* tokens, std::size_t count,
-                     std::int32_t* values);
-    void read_unshifted(const std::uint8_t* contexts, std::size_t count, std::int32_t* values);
+    void read_each(const std::uint8_t* contexts, const std::uint8_t* tokens, std::size_t count,
+                   std::int32_t* values);
+    void read_values(const std::uint8_t* contexts, std::size_t count, std::int32_t* values);
     std::uint32_t escaped(unsigned token);
     void fill_buffer();
     std::uint32_t bits(unsigned count);
 
     std::array<Context, kTokenContexts> contexts_;
     std::unique_ptr<std::uint8_t[]> slots_;
-    std::vector<std::uint8_t> tokens_;  ///< of one call
-    bool shifts_ = false;               ///< some context has a shift
+    std::vector<std::uint8_t> tokens_;                       ///< of one call
+    unsigned first_shifted_ = kTokenContexts;                ///< contexts below have no shift
+    std::array<std::uint32_t, kTokenContexts> others_ = {};  ///< frequency of all tokens but zero
+    unsigned quiet_ = 0;  ///< so many contexts, from the first on, have hardly anything but zeros
     std::array<std::uint32_t, kStates> states_{};
     View words_, bits_;
     std::size_t word_ = 0, bit_byte_ = 0;
