@@ -119,6 +119,20 @@ TEST_CASE("wfog: lossless maps of every kind and size come back bit for bit") {
             }
 }
 
+TEST_CASE("wfog: lossless maps keep the sign of a 0, among integers and among floats") {
+    for (const bool best : {false, true})
+        for (const Kind kind : kKinds)
+            for (const auto& [w, h] : {std::pair{9, 7}, {131, 140}}) {
+                CAPTURE(int(kind));
+                CAPTURE(w);
+                Grid<float> map = make_map(kind, w, h, 5);
+                for (Eigen::Index i = 0; i < map.size(); i += 3) map.data()[i] = -0.0f;
+                WfogOptions options;
+                options.best = best;
+                CHECK(same_bits(decoded(encoded(fog_of(map), options, &map).bytes).map, map));
+            }
+}
+
 TEST_CASE("wfog: every pixel is within the promised error and never below 0") {
     const std::uint64_t seed = 77;
     INFO("seed ", seed);

@@ -1,5 +1,7 @@
 #include "source.h"
 
+#include <cmath>
+
 #include "bands.h"
 #include "decoder.h"
 
@@ -16,14 +18,20 @@ bool gives(const Grid<float>& map, const Fog& fog) {
     return again && same_coefficients(*again, fog.decomposition);
 }
 
+/// Steps of a ratio have one 0 alone.
+bool has_negative_zero(const Grid<float>& map) {
+    return map.unaryExpr([](float value) { return value == 0 && std::signbit(value); }).any();
+}
+
 }  // namespace
 
 Source source_of(const Fog& fog, const Grid<float>* map, bool lossless) {
     Source source;
     source.given = map;
     if (!map) source.made = reconstruct(fog.decomposition);
-    source.ratio = ratio_of(source.map(), 0);
     source.exact = lossless && gives(source.map(), fog);
+    if (map && lossless && has_negative_zero(*map)) return source;
+    source.ratio = ratio_of(source.map(), 0);
     if (source.ratio || (map && source.exact)) return source;
     // Rounding may hide the steps of an integer picture.
     if (const auto ratio = ratio_of(source.map(), kRounding)) {
