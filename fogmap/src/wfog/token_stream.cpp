@@ -476,7 +476,7 @@ void SymbolReader::read_tokens(const uint8_t* contexts, size_t count) {
     size_t i = 0;
     if (state_count_ == kStates) {
         for (; turn_ != 0 && i < count; ++i) one(i);
-        auto [a, b, c, d] = states_;
+        uint32_t a = states_[0], b = states_[1], c = states_[2], d = states_[3];
         uint8_t* const tokens = tokens_.data();
         const uint8_t* word = words_.data() + std::min(word_, words_.size());
         const uint8_t* const begin = word;
