@@ -49,7 +49,7 @@ float fog_sky_limit() {
 }
 
 // From eye + start to eye + start + path, `metres` apart. `sky`: nothing ends the ray. A halfspace knows
-// the path better by its pixel (place, scale: fog_models.glsl), particles are listed by pixels.
+// the path better by its pixel (place, reach.x: fog_models.glsl), particles are listed by pixels.
 float fog_optical_depth(vec3 start, vec3 path, float metres, bool sky, vec3 place, vec2 reach,
                         ivec2 pixel) {
 #if FOG_METHOD == FOG_METHOD_MODELS

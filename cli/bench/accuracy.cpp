@@ -164,20 +164,34 @@ RayLimits ray_limits(const std::vector<Fog>& fogs, const Camera& camera, const I
     return limits;
 }
 
-FogBounds::FogBounds(const Fog& fog)
-    : dropped(fog),
-      march(fog),
-      densest(fog.extinction * double(reconstruct(fog.decomposition).maxCoeff())) {}
+const DetailBound& FogBounds::dropped() {
+    if (!dropped_) dropped_.emplace(fog_);
+    return *dropped_;
+}
 
-double certified_bound(const std::vector<Fog>& fogs, const std::vector<FogBounds>& bounds,
-                       const Method& method, const Camera& camera, int width, int height,
-                       const RayLimits& limits) {
+const MarchBound& FogBounds::march() {
+    if (!march_) march_.emplace(fog_);
+    return *march_;
+}
+
+const RadialBound& FogBounds::radial() {
+    if (!radial_) radial_.emplace(fog_, dropped());
+    return *radial_;
+}
+
+double FogBounds::densest() {
+    if (!densest_) densest_ = fog_.extinction * double(reconstruct(fog_.decomposition).maxCoeff());
+    return *densest_;
+}
+
+double certified_bound(std::deque<FogBounds>& fogs, const Method& method, const Camera& camera,
+                       int width, int height, const RayLimits& limits) {
     if (!method.sampling.every_pixel()) return 1;
     if (method.kind == MethodKind::radial && camera.projection == Camera::Projection::perspective) {
         // |dT| of a product of factors that are at most 1 is at most the sum of theirs.
         double sum = 0;
-        for (std::size_t i = 0; i < fogs.size(); ++i)
-            sum += radial_bound(fogs[i], bounds[i].dropped, method, camera, width, height, limits);
+        for (FogBounds& fog : fogs)
+            sum += fog.radial().transmittance(method, camera, width, height, limits);
         return std::min(sum, 1.0);
     }
     const bool paper = method.kind == MethodKind::paper || method.kind == MethodKind::paper_scaling;
@@ -186,14 +200,14 @@ double certified_bound(const std::vector<Fog>& fogs, const std::vector<FogBounds
     if (method.kind != MethodKind::exact && method.kind != MethodKind::radial && !paper && !march)
         return 1;
     double tau = 0, densest = 0;
-    for (std::size_t i = 0; i < fogs.size(); ++i) {
-        densest += bounds[i].densest;
+    for (FogBounds& fog : fogs) {
+        densest += fog.densest();
         // Their tables are exact for degree 0 and 1 with mean densities alone.
-        if (paper && (fogs[i].degree() > 1 || method.layout != PathLayout::mean)) return 1;
+        if (paper && (fog.fog().degree() > 1 || method.layout != PathLayout::mean)) return 1;
         if (march)
-            tau += bounds[i].march.optical_depth(method.samples, limits.length, limits.rise);
+            tau += fog.march().optical_depth(method.samples, limits.length, limits.rise);
         else if (method.mu < 1)
-            tau += bounds[i].dropped.optical_depth(method.mu, limits.length, limits.rise);
+            tau += fog.dropped().optical_depth(method.mu, limits.length, limits.rise);
     }
     const double rounding = 0x1p-21 + 4 * 0x1p-24 * densest * limits.length;
     return std::min(-std::expm1(-tau) + rounding, 1.0);

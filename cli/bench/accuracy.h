@@ -1,6 +1,7 @@
 // How far a picture is from the truth.
 #pragma once
 
+#include <deque>
 #include <optional>
 #include <vector>
 
@@ -34,12 +35,25 @@ Image every_nth(const Image& image, int stride);
 /// Of the rays of a picture: bounds on errors need no more.
 RayLimits ray_limits(const std::vector<Fog>& fogs, const Camera& camera, const Image& depth);
 
-/// What bounds need of a fog, found once.
-struct FogBounds {
-    explicit FogBounds(const Fog& fog);
-    DetailBound dropped;
-    MarchBound march;
-    double densest = 0;  ///< 1/m
+/// What bounds need of a fog, found when it is first asked for. `fog` must outlive it.
+class FogBounds {
+  public:
+    explicit FogBounds(const Fog& fog) : fog_(fog) {}
+    FogBounds(const FogBounds&) = delete;
+    FogBounds& operator=(const FogBounds&) = delete;
+
+    const Fog& fog() const { return fog_; }
+    const DetailBound& dropped();
+    const MarchBound& march();
+    const RadialBound& radial();
+    double densest();  ///< 1/m
+
+  private:
+    const Fog& fog_;
+    std::optional<DetailBound> dropped_;
+    std::optional<MarchBound> march_;
+    std::optional<RadialBound> radial_;
+    std::optional<double> densest_;
 };
 
 /// Bound on |dT| for every ray of a picture of `width` x `height` pixels within `limits`: certified
@@ -47,10 +61,9 @@ struct FogBounds {
 /// order: walks stop at T = 2^-21, and a place along a ray is off by four units in its last place,
 /// times the densest fog there is. 1, which holds always, for methods that may miss any fog:
 /// homogeneous, froxel, fog in fewer places than pixels, and the paper's tables of quadratic
-/// functions and by perimeter. `bounds`: one a fog.
-double certified_bound(const std::vector<Fog>& fogs, const std::vector<FogBounds>& bounds,
-                       const Method& method, const Camera& camera, int width, int height,
-                       const RayLimits& limits);
+/// functions and by perimeter. `fogs`: all of the picture's.
+double certified_bound(std::deque<FogBounds>& fogs, const Method& method, const Camera& camera,
+                       int width, int height, const RayLimits& limits);
 
 struct Accuracy {
     double max_dT = 0, p99_dT = 0;                   ///< of |T - T_true| over the pixels

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "bench/progress.h"
@@ -165,20 +166,20 @@ Result<void> Measurement::run_group(const Group& group, double seconds, Results&
     if (!stage) return tl::unexpected(stage.error());
 
     if (!group.variants.empty())
-        stage->limits = ray_limits(group.variants.front().fogs, scene.camera, stage->depth);
+        stage->limits = ray_limits(group.variants.front()->fogs, scene.camera, stage->depth);
     // Truths come first: they do not disturb the timing.
     std::vector<const Truth*> truths;
-    for (const Variant& variant : group.variants) {
-        const Result<const Truth*> made = truth(group, variant, *stage);
+    for (const auto& variant : group.variants) {
+        const Result<const Truth*> made = truth(group, *variant, *stage);
         if (!made) return tl::unexpected(made.error());
         truths.push_back(*made);
     }
 
-    VariantTextures textures(group.variants.size());
+    prepare(group);
     std::vector<Contender> contenders;
     const auto enter = [&](const Case& one) {
         Row row = empty_row(group, one);
-        Result<FogPass> pass = make_pass(group, one, *stage->renderer, textures[one.variant]);
+        Result<FogPass> pass = make_pass(group, one, *stage->renderer);
         if (!pass) {
             results.skipped.push_back(label(row) + ": " + pass.error().message);
             return;
@@ -202,22 +203,25 @@ Result<void> Measurement::run_group(const Group& group, double seconds, Results&
     plan_frames(contenders, seconds_left(), results);
     take_turns(group, contenders, *stage, seconds_left());
     std::optional<double> homogeneous_ms;
-    std::vector<std::vector<FogBounds>> bounds(group.variants.size());
+    // A table that is kept has the bound of one that is filled anew.
+    std::map<std::tuple<std::size_t, std::string, double>, double> bounds;
     for (Contender& contender : contenders) {
         if (contender.wall_ms.size() > 0) {
             show_progress(label(contender.row));
             fill_times(contender, homogeneous_ms);
-            if (!is_constant_fog(contender.method, group.variants[contender.variant]))
+            const Variant& variant = *group.variants[contender.variant];
+            if (!is_constant_fog(contender.method, variant))
                 fill_accuracy(contender, *truths[contender.variant], *stage, scene);
-            const std::vector<Fog>& fogs = group.variants[contender.variant].fogs;
-            std::vector<FogBounds>& found = bounds[contender.variant];
-            if (found.empty())
-                for (const Fog& fog : fogs) found.emplace_back(fog);
             // Of maps; formulas alone have none.
-            if (!fogs.empty())
-                contender.row.bound_dT =
-                    certified_bound(fogs, found, contender.method, scene.camera, group.size.width,
-                                    group.size.height, stage->limits);
+            if (!variant.fogs.empty()) {
+                const auto [found, is_new] = bounds.try_emplace(
+                    {contender.variant, contender.method.name(), contender.method.mu});
+                if (is_new)
+                    found->second = certified_bound(
+                        prepared_[contender.variant]->bounds, contender.method, scene.camera,
+                        group.size.width, group.size.height, stage->limits);
+                contender.row.bound_dT = found->second;
+            }
         }
         results.rows.push_back(std::move(contender.row));
     }
@@ -225,7 +229,7 @@ Result<void> Measurement::run_group(const Group& group, double seconds, Results&
 }
 
 Row Measurement::empty_row(const Group& group, const Case& one) const {
-    const Variant& variant = group.variants[one.variant];
+    const Variant& variant = *group.variants[one.variant];
     Row row;
     row.scene = scenes_[group.scene].name;
     row.map = variant.map;
@@ -244,10 +248,24 @@ Row Measurement::empty_row(const Group& group, const Case& one) const {
     return row;
 }
 
+void Measurement::prepare(const Group& group) {
+    std::vector<std::unique_ptr<Prepared>> kept = std::move(prepared_);
+    prepared_.clear();
+    for (const auto& variant : group.variants) {
+        const auto same = std::find_if(kept.begin(), kept.end(), [&](const auto& one) {
+            return one && one->variant == variant;
+        });
+        prepared_.push_back(same == kept.end() ? std::make_unique<Prepared>() : std::move(*same));
+        if (prepared_.back()->variant) continue;
+        prepared_.back()->variant = variant;
+        for (const Fog& fog : variant->fogs) prepared_.back()->bounds.emplace_back(fog);
+    }
+}
+
 Result<FogPass> Measurement::make_pass(const Group& group, const Case& one,
-                                       const SceneRenderer& renderer,
-                                       std::vector<FogTextures>& textures) {
-    const Variant& variant = group.variants[one.variant];
+                                       const SceneRenderer& renderer) {
+    const Variant& variant = *group.variants[one.variant];
+    std::vector<FogTextures>& textures = prepared_[one.variant]->textures;
     // The passes of a variant keep pointers to its textures: made once, never moved.
     if (textures.empty()) {
         textures.reserve(variant.fogs.size());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -30,7 +31,7 @@ struct Group {
     std::string name;
     std::size_t scene = 0;
     Size size;
-    std::vector<Variant> variants;
+    std::vector<std::shared_ptr<const Variant>> variants;
     std::vector<Case> cases;
     int stride = 1;  ///< errors are measured in every stride-th pixel of every stride-th row
     bool pixel_means = false;  ///< errors against the means over pixels too
@@ -59,13 +60,19 @@ class Measurement {
     struct Stage;
     struct Contender;
 
-    using VariantTextures = std::vector<std::vector<FogTextures>>;
+    /// What cases of a variant share, kept for the next group if that has the variant too.
+    struct Prepared {
+        std::shared_ptr<const Variant> variant;
+        std::vector<FogTextures> textures;
+        std::deque<FogBounds> bounds;
+    };
 
     Result<void> run_group(const Group& group, double seconds, Results& results);
     Result<const Truth*> truth(const Group& group, const Variant& variant, const Stage& stage);
     Row empty_row(const Group& group, const Case& one) const;
-    Result<FogPass> make_pass(const Group& group, const Case& one, const SceneRenderer& renderer,
-                              std::vector<FogTextures>& textures);
+    /// Lets go of what `group` does not have.
+    void prepare(const Group& group);
+    Result<FogPass> make_pass(const Group& group, const Case& one, const SceneRenderer& renderer);
     void estimate(std::vector<Contender>& contenders, const Stage& stage,
                   const Camera& camera) const;
     void plan_frames(std::vector<Contender>& contenders, double seconds, Results& results) const;
@@ -82,8 +89,9 @@ class Measurement {
     MeasureOptions options_;
     std::chrono::steady_clock::time_point start_;
     std::map<std::string, Truth> truths_;
-    std::optional<FogTextures> constant_fog_;  ///< `homogeneous` in scenes without maps
-    double done_ = 0, group_share_ = 0;        ///< of the groups, for the progress line
+    std::vector<std::unique_ptr<Prepared>> prepared_;  ///< as the group's variants
+    std::optional<FogTextures> constant_fog_;          ///< `homogeneous` in scenes without maps
+    double done_ = 0, group_share_ = 0;                ///< of the groups, for the progress line
 };
 
 /// "homogeneous" among the methods, needed by every group.

@@ -24,7 +24,7 @@ bool is_baseline(const Row& row) {
 Result<std::vector<Group>> plan_models(const std::vector<BenchScene>& scenes, const Size& size) {
     std::vector<Group> groups;
     for (std::size_t i = 0; i < scenes.size(); ++i) {
-        Result<Variant> variant = make_variant(scenes[i], {});
+        auto variant = make_variant(scenes[i], {});
         if (!variant) return tl::unexpected(variant.error());
         Group group{scenes[i].name, i, size, {*std::move(variant)}, {}};
         group.cases.push_back({0, {.kind = MethodKind::exact}});

@@ -46,7 +46,7 @@ class Planner {
         const auto key = std::array{map_size, degree, levels};
         while (index < keys_.size() && keys_[index] != key) ++index;
         if (index == keys_.size()) {
-            Result<Variant> variant = make_variant(scene_, wanted);
+            auto variant = make_variant(scene_, wanted);
             if (!variant) return tl::unexpected(variant.error());
             keys_.push_back(key);
             group_.variants.push_back(*std::move(variant));

@@ -57,7 +57,7 @@ Result<std::vector<Group>> plan_list(const std::vector<BenchScene>& scenes,
         for (std::size_t k = 0; k < options.levels.size(); ++k)
             variants[k].levels = options.levels[k];
         for (const VariantOptions& wanted : variants) {
-            Result<Variant> variant = make_variant(scenes[i], wanted);
+            auto variant = make_variant(scenes[i], wanted);
             if (!variant) return tl::unexpected(variant.error());
             group.variants.push_back(*std::move(variant));
             add_cases(group, group.variants.size() - 1, methods, mus);
@@ -104,7 +104,7 @@ Result<std::vector<Group>> plan_chart(const std::vector<BenchScene>& scenes,
         for (std::size_t k = 0; k < levels.size(); ++k) {
             VariantOptions wanted;
             wanted.levels = levels[k];
-            Result<Variant> variant = make_variant(scenes[i], wanted);
+            auto variant = make_variant(scenes[i], wanted);
             if (!variant) return tl::unexpected(variant.error());
             group.variants.push_back(*std::move(variant));
             // The whole sweep over mu at the first level count, the ends of it at the others.

@@ -93,7 +93,7 @@ Result<std::vector<Group>> plan_resolution(const std::vector<BenchScene>& scenes
                                            const std::vector<Method>& methods) {
     std::vector<Group> groups;
     for (std::size_t i = 0; i < scenes.size(); ++i) {
-        Result<Variant> variant = make_variant(scenes[i], {});
+        auto variant = make_variant(scenes[i], {});
         if (!variant) return tl::unexpected(variant.error());
         Group group{scenes[i].name, i, size, {*std::move(variant)}, {}};
         for (Method method : methods)

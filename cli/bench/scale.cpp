@@ -84,19 +84,19 @@ std::vector<BenchScene> scale_scenes(const std::vector<BenchScene>& scenes) {
 Result<std::vector<Group>> plan_scale(const std::vector<BenchScene>& scenes, const Size& size,
                                       const std::vector<Method>& methods,
                                       const std::vector<double>& mus) {
+    constexpr std::size_t kCases = std::size(kCameras);
     std::vector<Group> groups;
-    const auto add = [&](std::size_t scene, const VariantOptions& wanted,
-                         const Size& picture) -> Result<void> {
-        Result<Variant> variant = make_variant(scenes[scene], wanted);
-        if (!variant) return tl::unexpected(variant.error());
+    const auto add = [&](std::size_t scene, const std::shared_ptr<const Variant>& variant,
+                         const Size& picture) {
         Group group;
-        group.name = fmt::format("{}, {}, {}x{}, {}x{}", scenes[scene].name, variant->basis,
-                                 *wanted.map_size, *wanted.map_size, picture.width, picture.height);
+        group.name =
+            fmt::format("{}, {}, {}x{}, {}x{}", scenes[scene].name, variant->basis,
+                        variant->map_width, variant->map_height, picture.width, picture.height);
         group.scene = scene;
         group.size = picture;
-        group.stride = stride_of(*wanted.map_size, picture);
+        group.stride = stride_of(variant->map_width, picture);
         group.pixel_means = true;
-        group.variants.push_back(*std::move(variant));
+        group.variants.push_back(variant);
         for (Method method : methods)
             for (const double mu : mus) {
                 method.mu = mu;
@@ -107,18 +107,21 @@ Result<std::vector<Group>> plan_scale(const std::vector<BenchScene>& scenes, con
                     group.cases.push_back({0, method, true});
             }
         groups.push_back(std::move(group));
-        return {};
     };
+    // All pictures of a map one after the other: what is found of it serves them all.
     for (const int map_size : kMapSizes)
-        for (std::size_t i = 0; i < scenes.size(); ++i) {
+        for (std::size_t first = 0; first < scenes.size(); first += kCases) {
             VariantOptions wanted;
             wanted.map_size = map_size;
-            for (const Size& picture : {size, kFullHd})
-                if (auto ok = add(i, wanted, picture); !ok) return tl::unexpected(ok.error());
-            const bool own_camera = i % std::size(kCameras) == 0;
-            if (!own_camera || scenes[i].scene.fogs.front().degree() == 0) continue;
+            auto variant = make_variant(scenes[first], wanted);
+            if (!variant) return tl::unexpected(variant.error());
+            for (std::size_t i = first; i < first + kCases; ++i)
+                for (const Size& picture : {size, kFullHd}) add(i, *variant, picture);
+            if (scenes[first].scene.fogs.front().degree() == 0) continue;
             wanted.degree = 0;
-            if (auto ok = add(i, wanted, size); !ok) return tl::unexpected(ok.error());
+            variant = make_variant(scenes[first], wanted);
+            if (!variant) return tl::unexpected(variant.error());
+            add(first, *variant, size);
         }
     return groups;
 }

@@ -84,8 +84,10 @@ Result<std::vector<Fog>> undecomposed(const std::vector<Fog>& fogs) {
     return result;
 }
 
-Result<Variant> make_variant(const BenchScene& scene, const VariantOptions& options) {
-    Variant variant;
+Result<std::shared_ptr<const Variant>> make_variant(const BenchScene& scene,
+                                                    const VariantOptions& options) {
+    auto result = std::make_shared<Variant>();
+    Variant& variant = *result;
     const std::size_t count = options.map_size ? 1 : scene.scene.fogs.size();
     for (std::size_t i = 0; i < count; ++i) {
         const Fog& source = scene.scene.fogs[i];
@@ -122,7 +124,7 @@ Result<Variant> make_variant(const BenchScene& scene, const VariantOptions& opti
                                          made.height, made.degree(), profile_text(fog.profile));
         variant.fogs.push_back(std::move(fog));
     }
-    return variant;
+    return result;
 }
 
 }  // namespace wavefog::cli

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -38,7 +39,9 @@ struct Variant {
     std::string truth_key;
 };
 
-Result<Variant> make_variant(const BenchScene& scene, const VariantOptions& options);
+/// Groups share it: maps are large.
+Result<std::shared_ptr<const Variant>> make_variant(const BenchScene& scene,
+                                                    const VariantOptions& options);
 
 /// The variant's fogs without decomposition: what the truth is taken from.
 Result<std::vector<Fog>> undecomposed(const std::vector<Fog>& fogs);

@@ -60,6 +60,10 @@ double least_share(const Channels& channels) {
     return least;
 }
 
+double stop_depth(const Channels& channels) {
+    return 14.6 / least_share(channels);
+}
+
 int profile_number(const Profile& profile) {
     switch (profile.kind) {
         case Profile::Kind::uniform:
@@ -108,7 +112,7 @@ shader::FogBlock fog_block(const FogFacts& fog, const Eigen::Vector3d& eye, doub
     block.scale = {static_cast<float>(1 / cell_x), static_cast<float>(1 / cell_z),
                    static_cast<float>(eta_per_metre),
                    static_cast<float>(fog.extinction * fog.density_scale)};
-    block.limit = {static_cast<float>(kStopOpticalDepth / least_share(fog.channels)),
+    block.limit = {static_cast<float>(stop_depth(fog.channels)),
                    static_cast<float>(fog.mean_density), static_cast<float>(limit), 0};
     block.size = {fog.cells_x, fog.cells_z, fog.width, fog.height};
     for (int l = 0; l <= finest; ++l) {

@@ -33,11 +33,11 @@ FogFacts fog_facts(const Fog& fog, const CellAtlas& atlas);
 /// FOG_PROFILE of fog_ray.glsl.
 int profile_number(const Profile& profile);
 
-/// The walk stops at this optical depth: T below 2^-21, a quarter of the accuracy that is promised.
-inline constexpr double kStopOpticalDepth = 14.6;
-/// The share of the colour that sees least of a fog, but some; at most 1. What ends a walk is
-/// divided by it.
+/// The share of the colour that sees least of a fog, but some; at most 1.
 double least_share(const Channels& channels);
+/// The walk stops at this optical depth: T below 2^-21 for every colour that sees some of the fog,
+/// a quarter of the accuracy that is promised.
+double stop_depth(const Channels& channels);
 
 /// FOG_ETA_MAX of fog_ray.glsl: the exponential profile is negligible above.
 inline constexpr double kEtaMax = 40;

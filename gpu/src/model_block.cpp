@@ -47,7 +47,7 @@ class Writer {
     Writer(const Channels& channels, const Vector3d& eye, double sky_limit, const Split& split)
         : eye_(eye), split_(split) {
         block_.limit.x = static_cast<float>(sky_limit);
-        block_.limit.z = static_cast<float>(kStopOpticalDepth / least_share(channels));
+        block_.limit.z = static_cast<float>(stop_depth(channels));
     }
 
     void add(const Halfspace& fog) {

@@ -25,8 +25,7 @@ Result<ModelsOnCpu> ModelsOnCpu::create(std::vector<FogModel> models) {
 }
 
 double ModelsOnCpu::optical_depth(const Eigen::Vector3d& o, const Eigen::Vector3d& p) const {
-    const Channels& channels = models_.empty() ? kAllChannels : models_.front().channels;
-    shader::models = model_block(models_, channels, o, 0);
+    shader::models = model_block(models_, common_channels(models_), o, 0);
     shader::model_tables = {tables_->rgba.data(), tables_->width, tables_->height, 4};
     const Eigen::Vector3d path = p - o;
     const Eigen::Vector3f single = path.cast<float>();

@@ -25,8 +25,7 @@ double ParticlesOnCpu::optical_depth(const Eigen::Vector3d& o, const Eigen::Vect
     const float tile[] = {0, static_cast<float>(particles_.size())};
     const std::vector<float> list = particle_list(particles_, all_, o);
     shader::models.count_more.w = 1;
-    const Channels& channels = particles_.empty() ? kAllChannels : particles_.front().channels;
-    shader::models.limit.z = static_cast<float>(kStopOpticalDepth / least_share(channels));
+    shader::models.limit.z = static_cast<float>(stop_depth(common_channels(particles_)));
     shader::particle_tiles = {tile, 1, 1, 2};
     shader::particle_list = {list.data(), kParticleListWidth,
                              static_cast<int>(list.size() / (4 * kParticleListWidth)), 4};

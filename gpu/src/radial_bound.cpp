@@ -271,16 +271,20 @@ double steepest_of(const CameraMatrices& matrices) {
 
 }  // namespace
 
-double radial_bound_around(const Fog& fog, const DetailBound& dropped, const Method& method,
-                           const Eigen::Vector3d& eye, const RadialView& view, double seconds,
-                           double limit, const RayLimits& limits) {
+RadialBound::Impl::Impl(const Fog& the_fog, const DetailBound& of_details,
+                        const Pyramid<float>& pyramid)
+    : fog(the_fog),
+      dropped(of_details),
+      facts(fog_facts(fog, build_cell_atlas(pyramid))),
+      ranges(pyramid.levels.back(), fog.degree(), fog.decomposition.boundary,
+             {fog.cell_x(), fog.cell_z()}, fog.extinction) {}
+
+double RadialBound::Impl::around(const Method& method, const Eigen::Vector3d& eye,
+                                 const RadialView& view, double seconds, double limit,
+                                 const RayLimits& limits) const {
     if (fog.extinction == 0) return 0;
-    const auto pyramid = approximations(fog.decomposition);
-    const FogFacts fog_has = fog_facts(fog, build_cell_atlas(pyramid));
-    const RadialShape shape = radial_shape(fog_has, method);
+    const RadialShape shape = radial_shape(facts, method);
     const Eigen::Vector2d cell(fog.cell_x(), fog.cell_z());
-    const CellRanges ranges(pyramid.levels.back(), fog.degree(), fog.decomposition.boundary, cell,
-                            fog.extinction);
     const Eigen::Vector2d moved =
         wind_offset(fog.wind, fog.rect, fog.decomposition.boundary, seconds);
     const Eigen::Vector2d place(
@@ -288,25 +292,25 @@ double radial_bound_around(const Fog& fog, const DetailBound& dropped, const Met
         (eye.z() - fog.rect.z0 - moved.y()) / cell.y() + fog.degree() / 2.0);
     const bool uniform = fog.profile.kind == Profile::Kind::uniform;
     const double stops = uniform ? shape.stop() : std::numeric_limits<double>::infinity();
-    const shader::RadialBlock block = radial_block(fog_has, eye, view, seconds, limit, shape);
+    const shader::RadialBlock block = radial_block(facts, eye, view, seconds, limit, shape);
     std::vector<RadialWedges> layers;
     for (int l = 0; l < shape.layers; ++l)
         layers.emplace_back(ranges, dropped, block, place, l, stops);
     if (!layers[0].narrow()) return 1;
 
-    RadialFacts facts;
-    facts.limits = limits;
-    facts.start = layers[0].start();
-    facts.densest = ranges.largest();
-    facts.cell = cell.minCoeff();
-    facts.step = shape.step;
-    facts.repeat = ranges.repeat();
-    facts.depth_only = shape.layers > 1;
+    RadialFacts known;
+    known.limits = limits;
+    known.start = layers[0].start();
+    known.densest = ranges.largest();
+    known.cell = cell.minCoeff();
+    known.step = shape.step;
+    known.repeat = ranges.repeat();
+    known.depth_only = shape.layers > 1;
     const int first = view.full ? 0 : layers[0].first();
     const auto of_table = [&](RadialWedges& wedges) {
         if (fog.profile.kind == Profile::Kind::exponential) {
             ProfileSearch search((eye.y() - fog.profile.base) / fog.profile.scale,
-                                 fog.profile.scale, facts, wedges.count() - first);
+                                 fog.profile.scale, known, wedges.count() - first);
             std::vector<RadialStretch> stretches;
             for (int wedge = first; wedge < wedges.count(); ++wedge) {
                 stretches.clear();
@@ -318,12 +322,12 @@ double radial_bound_around(const Fog& fog, const DetailBound& dropped, const Met
             }
             return search.largest();
         }
-        Search search(wedges, heights_of(fog.profile, eye.y()), facts, shape.stop());
+        Search search(wedges, heights_of(fog.profile, eye.y()), known, shape.stop());
         for (int wedge = first; wedge < wedges.count(); ++wedge) search.add(wedge);
         return search.largest();
     };
     double bound;
-    if (facts.depth_only) {
+    if (known.depth_only) {
         // A level's part of a ray is the difference of two look-ups.
         LayeredSearch search(layers, limits, method.mu);
         for (int wedge = first; wedge < layers[0].count(); ++wedge) search.add(wedge);
@@ -336,15 +340,18 @@ double radial_bound_around(const Fog& fog, const DetailBound& dropped, const Met
     return std::min(bound + 0x1p-21, 1.0);
 }
 
-double radial_bound(const Fog& fog, const DetailBound& dropped, const Method& method,
-                    const Camera& camera, int width, int height, const RayLimits& limits,
-                    double seconds) {
+RadialBound::RadialBound(const Fog& fog, const DetailBound& dropped)
+    : impl_(std::make_unique<const Impl>(fog, dropped, approximations(fog.decomposition))) {}
+
+RadialBound::~RadialBound() = default;
+
+double RadialBound::transmittance(const Method& method, const Camera& camera, int width, int height,
+                                  const RayLimits& limits, double seconds) const {
     const CameraMatrices matrices = camera_matrices(camera, width, height);
     const RadialView view = radial_view(matrices, camera, width, height);
     RayLimits seen = limits;
     if (!view.full) seen.steepest = std::min(seen.steepest, steepest_of(matrices));
-    return radial_bound_around(fog, dropped, method, camera.eye, view, seconds, sky_limit(camera),
-                               seen);
+    return impl_->around(method, camera.eye, view, seconds, sky_limit(camera), seen);
 }
 
 }  // namespace wavefog

@@ -395,7 +395,7 @@ TEST_CASE(
     // Of each map size: five cameras at two picture sizes, and Haar.
     REQUIRE(groups->size() == 4 * 11);
     CHECK(std::count_if(groups->begin(), groups->end(), [](const Group& group) {
-              return group.variants.front().basis == "haar";
+              return group.variants.front()->basis == "haar";
           }) == 4);
 }
 

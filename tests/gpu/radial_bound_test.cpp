@@ -45,7 +45,8 @@ Figures figures_of(const Fog& fog, const Method& method, const Eigen::Vector3d& 
                                       std::exp(-reference.optical_depth(eye, p)));
         figures.measured = std::max(figures.measured, error);
     }
-    figures.bound = radial_bound_around(fog, DetailBound(fog), method, eye, {}, 0, kFar, limits);
+    const DetailBound dropped(fog);
+    figures.bound = RadialBound(fog, dropped).impl().around(method, eye, {}, 0, kFar, limits);
     return figures;
 }
 

@@ -135,6 +135,7 @@ TEST_CASE("radial: no picture errs more than its certified bound") {
             REQUIRE(textures.has_value());
             const std::vector<Reference> reference = {Reference(fog)};
             const DetailBound dropped(fog);
+            const RadialBound bounded(fog, dropped);
             for (const bool step : {false, true}) {
                 const Method method{.kind = MethodKind::radial, .radial_step = step};
                 FogPass pass = make_pass(gl, {&*textures}, method);
@@ -144,7 +145,7 @@ TEST_CASE("radial: no picture errs more than its certified bound") {
                     // No ray is longer or climbs more.
                     const RayLimits limits{.length = 1500, .rise = 1500};
                     const double bound =
-                        radial_bound(fog, dropped, method, camera, kWidth, kHeight, limits);
+                        bounded.transmittance(method, camera, kWidth, kHeight, limits);
                     const Errors errors = errors_of(pictures[i], camera,
                                                     draw(gl, pass, pictures[i], camera), reference);
                     CAPTURE(std::string(cases[i].name));

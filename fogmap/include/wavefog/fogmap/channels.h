@@ -35,6 +35,12 @@ std::vector<std::vector<T>> by_channels(std::vector<T> all) {
     return groups;
 }
 
+/// Those of things that the colours see alike.
+template <class T>
+const Channels& common_channels(const std::vector<T>& alike) {
+    return alike.empty() ? kAllChannels : alike.front().channels;
+}
+
 /// The different channels there are, in the order in which they first come.
 template <class T>
 std::vector<Channels> channels_of(const std::vector<T>& all) {

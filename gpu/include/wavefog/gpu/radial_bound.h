@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <memory>
 
 #include "wavefog/fogmap/bound.h"
 #include "wavefog/fogmap/scene.h"
@@ -12,12 +13,12 @@ namespace wavefog {
 struct RayLimits {
     double length = 0;  ///< metres, inside the fog's box or up to a surface
     double rise = 0;    ///< metres between the heights of their ends
-    /// Metres of a ray a metre on the ground; radial_bound() knows the picture's.
+    /// Metres of a ray a metre on the ground; RadialBound knows the picture's.
     double steepest = std::numeric_limits<double>::infinity();
 };
 
-/// |T_radial - T| for every ray of the picture within `limits`; T is dimensionless, at most 1, and
-/// that of the finest map. It is found for every wedge between two columns and every two rows:
+/// How far method radial is from the finest map. It is found for every wedge between two columns
+/// and every two rows:
 /// - across the wedge, |f - linear| <= min(variation of f, (h^2/8) |f''| + (h/4) jumps of f') for
 ///   f(azimuth) = integral of rho dx: its variation is the integral of |rho_p| dA (p across the
 ///   ray), f'' = integral of x^2 rho_pp - x rho_x dx; coarser levels add the integral of E_l;
@@ -26,14 +27,27 @@ struct RayLimits {
 /// - |dT| <= exp(-tau) (exp(|dtau|) - 1) with the least tau that the columns allow, and float32 and
 ///   8-bit texture weights to first order;
 /// - exponential profiles: for rays of every slope, the stretches between rows by what parabolas of
-/// the
-///   density leave out (ProfileSearch);
+///   the density leave out (ProfileSearch);
 /// - 0 < mu < 1: the sum over levels of what azimuths, left out levels and both look-ups err.
-/// `dropped` is the same fog's. Haar maps are bounded by the variation alone, which is several
-/// times looser. 1 for a table of a few wide columns. For perspective cameras: others are drawn as
-/// exact draws them.
-double radial_bound(const Fog& fog, const DetailBound& dropped, const Method& method,
-                    const Camera& camera, int width, int height, const RayLimits& limits,
-                    double seconds = 0);
+/// Haar maps are bounded by the variation alone, which is several times looser.
+class RadialBound {
+  public:
+    /// Reads all of the map once: 80 bytes a cell. `fog` must pass Fog::validate(), `dropped` is
+    /// its; both must outlive this.
+    RadialBound(const Fog& fog, const DetailBound& dropped);
+    ~RadialBound();
+
+    /// |T_radial - T| for every ray of the picture within `limits`; T is dimensionless, at most 1,
+    /// and that of the finest map. 1 for a table of a few wide columns. For perspective cameras:
+    /// others are drawn as exact draws them.
+    double transmittance(const Method& method, const Camera& camera, int width, int height,
+                         const RayLimits& limits, double seconds = 0) const;
+
+    struct Impl;  ///< of the library
+    const Impl& impl() const { return *impl_; }
+
+  private:
+    std::unique_ptr<const Impl> impl_;
+};
 
 }  // namespace wavefog
