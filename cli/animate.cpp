@@ -227,12 +227,12 @@ Command add_animate(CLI::App& root) {
         ->type_name("OUT.mp4");
     app->add_flag("--json", options->json, "Print what was written as JSON");
     app->footer(
-        "Winds blow, particles drift and maps given as \"images\" change. A frame depends on its\n"
-        "number alone: any machine may draw any range, the files are the same.\n"
-        "\n"
-        "Example: ten seconds, split in two\n"
-        "  wavefog animate data/scenes/drift.json --frames 0-119 -o out/frame_####.png\n"
-        "  wavefog animate data/scenes/drift.json --frames 120-239 -o out/frame_####.png");
+        R"(Winds blow, particles drift and maps given as "images" change. A frame depends on its
+number alone: any machine may draw any range, the files are the same.
+
+Example: ten seconds, split in two
+  wavefog animate data/scenes/drift.json --frames 0-119 -o out/frame_####.png
+  wavefog animate data/scenes/drift.json --frames 120-239 -o out/frame_####.png)");
     return {app, [options] { return animate(*options); }};
 }
 

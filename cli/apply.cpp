@@ -194,31 +194,23 @@ Command add_apply(CLI::App& root) {
     add_context(*app, options->context);
     app->add_flag("--json", options->json, "Print what was written as JSON");
     app->footer(
-        "The fog is drawn by the same pass as in `render`. The camera file has the keys of a "
-        "scene's\n"
-        "\"camera\" (eye, target, fov_y_deg, near, far, ...; metres, y up), and \"depth_values\":\n"
-        "  \"gl\"       the depth buffer's values, 0 to 1, by near, far and \"depth\": "
-        "\"standard\" or\n"
-        "             \"reversed\"\n"
-        "  \"metres\"   with \"measured\": \"axis\" (along the view axis, as z) or \"distance\" "
-        "(from\n"
-        "             the eye); \"depth_scale\": metres a unit (1; 16-bit PNG of mm: 65.535)\n"
-        "  \"inverse\"  depth_scale / metres, measured likewise\n"
-        "Infinite depth, and depth at or beyond \"far\", is background: it is fogged as the sky "
-        "is, by\n"
-        "all that lies before \"far\". NaN, 0 metres and infinite inverse depth were not "
-        "measured:\n"
-        "background too, and counted; with \"unmeasured\": \"neighbours\" as far as the farther "
-        "one of\n"
-        "the nearest pixels to the left and right. \"depth_offset\" is added to every value "
-        "before.\n"
-        "\n"
-        "Example: a photograph with estimated depth\n"
-        "  echo '{\"eye\": [0, 1.6, 0], \"target\": [0, 1.6, -1], \"fov_y_deg\": 55, \"far\": "
-        "2000,\n"
-        "         \"depth_values\": \"metres\", \"measured\": \"axis\"}' > cam.json\n"
-        "  wavefog apply --fog data/scenes/layers.json --color photo.png --depth depth.exr \\\n"
-        "                --camera cam.json -o foggy.png");
+        R"(The fog is drawn by the same pass as in `render`. The camera file has the keys of a scene's
+"camera" (eye, target, fov_y_deg, near, far, ...; metres, y up), and "depth_values":
+  "gl"       the depth buffer's values, 0 to 1, by near, far and "depth": "standard" or
+             "reversed"
+  "metres"   with "measured": "axis" (along the view axis, as z) or "distance" (from
+             the eye); "depth_scale": metres a unit (1; 16-bit PNG of mm: 65.535)
+  "inverse"  depth_scale / metres, measured likewise
+Infinite depth, and depth at or beyond "far", is background: it is fogged as the sky is, by
+all that lies before "far". NaN, 0 metres and infinite inverse depth were not measured:
+background too, and counted; with "unmeasured": "neighbours" as far as the farther one of
+the nearest pixels to the left and right. "depth_offset" is added to every value before.
+
+Example: a photograph with estimated depth
+  echo '{"eye": [0, 1.6, 0], "target": [0, 1.6, -1], "fov_y_deg": 55, "far": 2000,
+         "depth_values": "metres", "measured": "axis"}' > cam.json
+  wavefog apply --fog data/scenes/layers.json --color photo.png --depth depth.exr \
+                --camera cam.json -o foggy.png)");
     return {app, [options] { return apply(*options); }};
 }
 

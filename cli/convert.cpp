@@ -411,23 +411,20 @@ Command add_convert(CLI::App& root) {
     add_promises(*app, *options);
     app->add_flag("--json", options->json, "Print what was written as JSON");
     app->footer(
-        "The picture's pixels become the coefficients of a B-spline surface of fog density, which\n"
-        "is split into one coarse map and layers of detail. A renderer can then leave out layers\n"
-        "far away, and read from the textures in OUT.exr what it needs. Black is clear air, white\n"
-        "has the full extinction. Beside OUT.exr, OUT.json describes the layout for engines.\n"
-        "\n"
-        "\n"
-        "OUT.wfog is small instead: it holds the map to a promised error, coarse levels first, "
-        "and\n"
-        "every command reads it. Several files go into a directory, as .wfog if a flag of .wfog "
-        "is\n"
-        "given, else as .exr; one that fails does not keep the others back.\n"
-        "\n"
-        "Example: banks of fog over 400 x 400 m that thin out with every 8 m of height\n"
-        "  wavefog convert banks.png -o banks.exr --rect -200,-200,200,200 \\\n"
-        "                  --extinction 0.05 --profile exponential:0,8\n"
-        "Example: all maps of a folder, no pixel off by more than one step of 255\n"
-        "  wavefog convert maps/*.png -o packed --max-error 1/255 --best");
+        R"(The picture's pixels become the coefficients of a B-spline surface of fog density, which
+is split into one coarse map and layers of detail. A renderer can then leave out layers
+far away, and read from the textures in OUT.exr what it needs. Black is clear air, white
+has the full extinction. Beside OUT.exr, OUT.json describes the layout for engines.
+
+OUT.wfog is small instead: it holds the map to a promised error, coarse levels first, and
+every command reads it. Several files go into a directory, as .wfog if a flag of .wfog is
+given, else as .exr; one that fails does not keep the others back.
+
+Example: banks of fog over 400 x 400 m that thin out with every 8 m of height
+  wavefog convert banks.png -o banks.exr --rect -200,-200,200,200 \
+                  --extinction 0.05 --profile exponential:0,8
+Example: all maps of a folder, no pixel off by more than one step of 255
+  wavefog convert maps/*.png -o packed --max-error 1/255 --best)");
     return {app, [options] { return convert(*options); }};
 }
 

@@ -92,15 +92,14 @@ Command add_decode(CLI::App& root) {
         "Which approximation: 0 the coarsest, the number of levels the map itself (the map)");
     app->add_flag("--json", options->json, "Print what was written as JSON");
     app->footer(
-        "Without --level the picture is the map that was converted, one pixel a coefficient, up "
-        "to\n"
-        "rounding. With --level it is the map after only the first L layers of detail were added,\n"
-        "which is what a renderer sees far away. A coarse map reaches past the edges of the fine\n"
-        "one by a few pixels: `start` says where its first pixel lies, in its own cells.\n"
-        ".exr and .tif hold floats; .png holds 16 bits of [0,1].\n"
-        "\n"
-        "Example: the coarsest map\n"
-        "  wavefog decode banks.exr -o coarse.tif --level 0");
+        R"(Without --level the picture is the map that was converted, one pixel a coefficient, up to
+rounding. With --level it is the map after only the first L layers of detail were added,
+which is what a renderer sees far away. A coarse map reaches past the edges of the fine
+one by a few pixels: `start` says where its first pixel lies, in its own cells.
+.exr and .tif hold floats; .png holds 16 bits of [0,1].
+
+Example: the coarsest map
+  wavefog decode banks.exr -o coarse.tif --level 0)");
     return {app, [options] { return decode(*options); }};
 }
 

@@ -300,35 +300,28 @@ Command add_generate(CLI::App& root) {
     add_particle_flags(*app, *options);
     app->add_flag("--json", options->json, "Print what was written as JSON");
     app->footer(
-        "Noise is a sum of octaves, each finer and weaker than the one before (fractional "
-        "Brownian\n"
-        "motion). The highest --coverage of it becomes fog, the rest clear air, so that banks "
-        "have\n"
-        "edges. The same options and seed give the same bytes. With --tile the map has no seam "
-        "when\n"
-        "it is converted with --wrap repeat.\n"
-        "\n"
-        "The fogs of a scene, formulas, maps and particles alike, are added up at the centre of "
-        "each\n"
-        "pixel. The map is scaled so that its densest pixel is 1 (or by --extinction), and\n"
-        "`extinction` is printed: give it to `convert`. So is the `profile` of --mean, a slab "
-        "that\n"
-        "keeps the optical depth of every vertical ray through a pixel's centre: of particles "
-        "-log\n"
-        "of its clarity. --tile fades the first quarter of a scene's map into what lies behind "
-        "its\n"
-        "other end.\n"
-        "\n"
-        "Example: banks of fog that repeat every 400 m\n"
-        "  wavefog generate simplex -o banks.png --seed 7 --coverage 0.6 --tile\n"
-        "  wavefog convert banks.png -o banks.exr --wrap repeat --rect 0,0,400,400 \\\n"
-        "                  --extinction 0.05 --profile exponential:0,8\n"
-        "Example: plain noise, one octave\n"
-        "  wavefog generate perlin -o plain.exr --octaves 1 --coverage 1 --features 8\n"
-        "Example: a map in place of formulas\n"
-        "  wavefog generate data/scenes/potentials.json -o mist.exr --mean 0,12\n"
-        "Example: what drifts from a source in the wind, after a minute\n"
-        "  wavefog generate particles -o drift.exr --area 30 --wind 1.5,0.5 --drag 0.3 --time 60");
+        R"(Noise is a sum of octaves, each finer and weaker than the one before (fractional Brownian
+motion). The highest --coverage of it becomes fog, the rest clear air, so that banks have
+edges. The same options and seed give the same bytes. With --tile the map has no seam when
+it is converted with --wrap repeat.
+
+The fogs of a scene, formulas, maps and particles alike, are added up at the centre of each
+pixel. The map is scaled so that its densest pixel is 1 (or by --extinction), and
+`extinction` is printed: give it to `convert`. So is the `profile` of --mean, a slab that
+keeps the optical depth of every vertical ray through a pixel's centre: of particles -log
+of its clarity. --tile fades the first quarter of a scene's map into what lies behind its
+other end.
+
+Example: banks of fog that repeat every 400 m
+  wavefog generate simplex -o banks.png --seed 7 --coverage 0.6 --tile
+  wavefog convert banks.png -o banks.exr --wrap repeat --rect 0,0,400,400 \
+                  --extinction 0.05 --profile exponential:0,8
+Example: plain noise, one octave
+  wavefog generate perlin -o plain.exr --octaves 1 --coverage 1 --features 8
+Example: a map in place of formulas
+  wavefog generate data/scenes/potentials.json -o mist.exr --mean 0,12
+Example: what drifts from a source in the wind, after a minute
+  wavefog generate particles -o drift.exr --area 30 --wind 1.5,0.5 --drag 0.3 --time 60)");
     return {app, [options] { return generate(*options); }};
 }
 

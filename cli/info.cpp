@@ -137,17 +137,15 @@ Command add_info(CLI::App& root) {
     app->add_option("FILE", options->input, "A fog file or a picture")->required();
     app->add_flag("--json", options->json, "Print JSON");
     app->footer(
-        "Of a fog: its size, basis, family, place in the world, and a row for each level: how "
-        "many\n"
-        "coefficients it has and their least and greatest value, the share of the energy (squared\n"
-        "L2 norm) that it adds, and the size and bounds of the approximation that it completes.\n"
-        "Levels with little energy can be left out far away at little cost; an approximation "
-        "whose\n"
-        "least value is below 0 shows negative fog unless clamped (--family positive has none).\n"
-        "Of a picture: its format, size, bounds, and how many pixels could not be fog.\n"
-        "\n"
-        "Example:\n"
-        "  wavefog info banks.exr --json");
+        R"(Of a fog: its size, basis, family, place in the world, and a row for each level: how many
+coefficients it has and their least and greatest value, the share of the energy (squared
+L2 norm) that it adds, and the size and bounds of the approximation that it completes.
+Levels with little energy can be left out far away at little cost; an approximation whose
+least value is below 0 shows negative fog unless clamped (--family positive has none).
+Of a picture: its format, size, bounds, and how many pixels could not be fog.
+
+Example:
+  wavefog info banks.exr --json)");
     return {app, [options] { return info(*options); }};
 }
 

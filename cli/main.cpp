@@ -30,17 +30,16 @@ int run(int argc, char** argv) {
     root.set_help_flag("-h,--help", "Print this help");
     root.require_subcommand(1);
     root.footer(
-        "A fog is a greyscale picture laid over the ground: its pixels say how dense the fog is,\n"
-        "a height profile says how it thins upwards. `wavefog SUBCOMMAND --help` explains each "
-        "step.\n"
-        "\n"
-        "Example, from a picture to a fogged frame:\n"
-        "  wavefog convert data/weather_coverage_512.png -o banks.exr --extinction 0.05 \\\n"
-        "                  --rect -4200,-4200,4200,4200 --profile exponential:111,17\n"
-        "  wavefog info banks.exr\n"
-        "  wavefog render data/scenes/valley.json --fog banks.exr -o valley.png\n"
-        "\n"
-        "Exit status: 0 done, 1 a file or its content is at fault, 2 the command line is.");
+        R"(A fog is a greyscale picture laid over the ground: its pixels say how dense the fog is,
+a height profile says how it thins upwards. `wavefog SUBCOMMAND --help` explains each step.
+
+Example, from a picture to a fogged frame:
+  wavefog convert data/weather_coverage_512.png -o banks.exr --extinction 0.05 \
+                  --rect -4200,-4200,4200,4200 --profile exponential:111,17
+  wavefog info banks.exr
+  wavefog render data/scenes/valley.json --fog banks.exr -o valley.png
+
+Exit status: 0 done, 1 a file or its content is at fault, 2 the command line is.)");
     const std::array commands = {
         add_convert(root), add_info(root),  add_decode(root), add_probe(root),    add_render(root),
         add_animate(root), add_bench(root), add_fit(root),    add_generate(root), add_apply(root)};

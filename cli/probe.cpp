@@ -187,18 +187,16 @@ Command add_probe(CLI::App& root) {
     add_parsed(*app, "--time", options->time, parse_number, "SECONDS",
                "When: winds have blown for so long (0)");
     app->footer(
-        "Each row ox,oy,oz,px,py,pz is a segment from O to P in metres, y up; a header line is\n"
-        "optional. The same rows come out with two columns more: the optical depth, the integral\n"
-        "of extinction from O to P, and the transmittance exp(-optical depth), the share of light\n"
-        "that gets through. Several fogs add their optical depths; if some have \"channels\", "
-        "both\n"
-        "columns come for red, green and blue. `reference` is exact in double;\n"
-        "the other methods run the shader's own code on the CPU in float, so that their error can\n"
-        "be seen without a GPU. `radial` builds a table around each O: keep the rays of one O "
-        "together.\n"
-        "\n"
-        "Example: how much light crosses 300 m of the fog?\n"
-        "  echo 0,2,0,300,2,0 | wavefog probe banks.exr --rays - -o -");
+        R"(Each row ox,oy,oz,px,py,pz is a segment from O to P in metres, y up; a header line is
+optional. The same rows come out with two columns more: the optical depth, the integral
+of extinction from O to P, and the transmittance exp(-optical depth), the share of light
+that gets through. Several fogs add their optical depths; if some have "channels", both
+columns come for red, green and blue. `reference` is exact in double;
+the other methods run the shader's own code on the CPU in float, so that their error can
+be seen without a GPU. `radial` builds a table around each O: keep the rays of one O together.
+
+Example: how much light crosses 300 m of the fog?
+  echo 0,2,0,300,2,0 | wavefog probe banks.exr --rays - -o -)");
     return {app, [options] { return probe(*options); }};
 }
 

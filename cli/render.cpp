@@ -118,19 +118,17 @@ Command add_render(CLI::App& root) {
         ->type_name("D.exr");
     app->add_flag("--json", options->json, "Print what was written as JSON");
     app->footer(
-        "The scene's terrain, meshes and sky are drawn first; then the fog pass reads the depth "
-        "of\n"
-        "every pixel, finds the optical depth of the fog in front of it, and blends\n"
-        "L = T L_scene + (1 - T) L_fog with T = exp(-optical depth).\n"
-        "Methods: `exact` integrates each cell of the map in closed form (float rounding);\n"
-        "`radial` looks them up in a table around the eye, filled once a frame: the fastest;\n"
-        "`paper` and `paper-scaling` follow the published algorithm, `march:N` takes N samples a "
-        "ray,\n"
-        "`froxel:XxYxZ` fills a volume as engines do; `homogeneous` is one constant fog;\n"
-        "`reference` integrates in double on the CPU and takes seconds to minutes.\n"
-        "\n"
-        "Example: half the detail, the transmittance beside the picture\n"
-        "  wavefog render data/scenes/valley.json -o valley.png --mu 0.5 --transmittance T.exr");
+        R"(The scene's terrain, meshes and sky are drawn first; then the fog pass reads the depth of
+every pixel, finds the optical depth of the fog in front of it, and blends
+L = T L_scene + (1 - T) L_fog with T = exp(-optical depth).
+Methods: `exact` integrates each cell of the map in closed form (float rounding);
+`radial` looks them up in a table around the eye, filled once a frame: the fastest;
+`paper` and `paper-scaling` follow the published algorithm, `march:N` takes N samples a ray,
+`froxel:XxYxZ` fills a volume as engines do; `homogeneous` is one constant fog;
+`reference` integrates in double on the CPU and takes seconds to minutes.
+
+Example: half the detail, the transmittance beside the picture
+  wavefog render data/scenes/valley.json -o valley.png --mu 0.5 --transmittance T.exr)");
     return {app, [options] { return render(*options); }};
 }
 

@@ -207,29 +207,23 @@ Command add_bench(CLI::App& root) {
         ->type_name("README.md");
     app->add_flag("--json", options->json, "Print the results as JSON");
     app->footer(
-        "All methods of a scene take turns frame by frame, beside `homogeneous`, the least that a\n"
-        "fog pass costs; times are of the fog pass alone, as medians with the 5th and 95th\n"
-        "percentile. Errors are against the reference integrator in double, in every pixel, with\n"
-        "all details (mu = 1): |T - T_true|, optical depth, and PSNR and SSIM (11x11 Gaussian,\n"
-        "sigma 1.5) of the sRGB picture.\n"
-        "Presets: speed (few methods, one table), chart (every method over its knob: cost against\n"
-        "error), paper-tables (tables 1 to 3 of paper 004 beside ours; the first scene with its "
-        "map\n"
-        "averaged to 16x16, 32x32 and 64x64), stability (where methods fail; needs no scene), "
-        "scale\n"
-        "(the first map of each scene, or a --map in its place, at 64x64 to 4096x4096, mirrored "
-        "where\n"
-        "it is smaller, from five cameras, at --size and 1920x1080), compression (.wfog files "
-        "beside\n"
-        "image codecs that are installed, on pictures), motion (what maps that change and "
-        "particles\n"
-        "cost a frame; needs no scene), resolution (fog in reduced pictures and at vertices), "
-        "models\n"
-        "(each scene's fogs beside constant fog).\n"
-        "Charts need gnuplot.\n"
-        "\n"
-        "Example:\n"
-        "  wavefog bench data/scenes/bench64.json --preset speed -o out/speed");
+        R"(All methods of a scene take turns frame by frame, beside `homogeneous`, the least that a
+fog pass costs; times are of the fog pass alone, as medians with the 5th and 95th
+percentile. Errors are against the reference integrator in double, in every pixel, with
+all details (mu = 1): |T - T_true|, optical depth, and PSNR and SSIM (11x11 Gaussian,
+sigma 1.5) of the sRGB picture.
+Presets: speed (few methods, one table), chart (every method over its knob: cost against
+error), paper-tables (tables 1 to 3 of paper 004 beside ours; the first scene with its map
+averaged to 16x16, 32x32 and 64x64), stability (where methods fail; needs no scene), scale
+(the first map of each scene, or a --map in its place, at 64x64 to 4096x4096, mirrored where
+it is smaller, from five cameras, at --size and 1920x1080), compression (.wfog files beside
+image codecs that are installed, on pictures), motion (what maps that change and particles
+cost a frame; needs no scene), resolution (fog in reduced pictures and at vertices), models
+(each scene's fogs beside constant fog).
+Charts need gnuplot.
+
+Example:
+  wavefog bench data/scenes/bench64.json --preset speed -o out/speed)");
     return {app, [options] { return bench(*options); }};
 }
 

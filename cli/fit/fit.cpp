@@ -285,22 +285,19 @@ Command add_fit(CLI::App& root) {
     add_context(*app, options->context);
     app->add_flag("--json", options->json, "Print the report as JSON");
     app->footer(
-        "Puts a formula (none at all, homogeneous, halfspace, layers) in place of a map where "
-        "that\n"
-        "will do, leaves out levels of detail, changes basis and family, drops detail with "
-        "distance\n"
-        "(mu) and changes the method as far as the error allows, on the scene's cameras and two\n"
-        "views beside each, all drawn small; times what is left at --size (a frame is that of the\n"
-        "slowest camera); checks the choice on three more small views a camera that it has not\n"
-        "seen, and in every pixel that the scene's own cameras have at --size (up to 3840x2160; "
-        "of\n"
-        "larger pictures in one pixel of each 2x2, 3x3 ... as the report says), against the\n"
-        "reference of the scene as it was; searches again for less if one errs too much; and\n"
-        "writes a scene with it. The report says what was kept and why, and what it cost before\n"
-        "and after.\n"
-        "\n"
-        "Example:\n"
-        "  wavefog fit data/scenes/bench64.json --max-error 0.002 -o out/small.json");
+        R"(Puts a formula (none at all, homogeneous, halfspace, layers) in place of a map where that
+will do, leaves out levels of detail, changes basis and family, drops detail with distance
+(mu) and changes the method as far as the error allows, on the scene's cameras and two
+views beside each, all drawn small; times what is left at --size (a frame is that of the
+slowest camera); checks the choice on three more small views a camera that it has not
+seen, and in every pixel that the scene's own cameras have at --size (up to 3840x2160; of
+larger pictures in one pixel of each 2x2, 3x3 ... as the report says), against the
+reference of the scene as it was; searches again for less if one errs too much; and
+writes a scene with it. The report says what was kept and why, and what it cost before
+and after.
+
+Example:
+  wavefog fit data/scenes/bench64.json --max-error 0.002 -o out/small.json)");
     return {app, [options] { return fit(*options); }};
 }
 
