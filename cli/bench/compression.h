@@ -23,6 +23,8 @@ struct CodecMap {
 struct CodecRun {
     std::size_t bytes = 0;
     double encode_s = 0, decode_s = 0;
+    /// Longest less shortest time over the median; 0 of a single run.
+    double encode_spread = 0, decode_spread = 0;
     std::optional<double> max_error;  ///< in 1/255 of full scale
     std::optional<double> psnr;       ///< dB of full scale; empty if nothing was lost
     Grid<float> densities;            ///< as decoded

@@ -48,6 +48,7 @@ TEST_CASE("compression is told by geometric means over the maps that all codecs 
                         {"bits_per_pixel", bits},
                         {"encode_mpixel_s", 10.0},
                         {"decode_mpixel_s", 20.0},
+                        {"encode_spread", bits / 10},
                         {"psnr", 50.0}});
     };
     add("a", "one", 1);
@@ -59,6 +60,10 @@ TEST_CASE("compression is told by geometric means over the maps that all codecs 
     CHECK(text.find("geometric means of 2 maps") != std::string::npos);
     CHECK(text.find("2.00") != std::string::npos);  // of 1 and 4
     CHECK(text.find("4.00") != std::string::npos);  // of 2 and 8
+    // The median of the spreads 0.1 and 0.4, and of 0.2 and 0.8; older files have none.
+    CHECK(text.find("10.0 ± 12 %") != std::string::npos);
+    CHECK(text.find("10.0 ± 25 %") != std::string::npos);
+    CHECK(text.find("20.0 ±") == std::string::npos);
     const auto figures = compression_figures(runs);
     REQUIRE(figures.size() == 2);
     CHECK(figures[0].curves.size() == 2);

@@ -53,11 +53,42 @@ std::pair<Eigen::Vector3d, Eigen::Vector3d> random_ray(test::Random& random, dou
     return {from, from + path * std::sqrt(random.uniform(0, 1)) * along};
 }
 
-double difference(const Reference& first, const Reference& second, const Eigen::Vector3d& from,
-                  const Eigen::Vector3d& to) {
-    return std::fabs(std::exp(-first.optical_depth(from, to)) -
-                     std::exp(-second.optical_depth(from, to)));
-}
+/// A fog, and the same with an error in its map.
+struct Pair {
+    Fog fog;
+    Reference of_map, of_both;
+
+    Pair(const Grid<float>& map, const Grid<float>& error, const FogOptions& options,
+         double extinction, const Profile& profile)
+        : fog(made(map, options, extinction, profile)),
+          of_map(fog),
+          of_both(made(map + error, options, extinction, profile)) {}
+
+    double difference(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const {
+        return std::fabs(std::exp(-of_map.optical_depth(from, to)) -
+                         std::exp(-of_both.optical_depth(from, to)));
+    }
+
+    double worst_of_random(test::Random& random, int rays, double path) const {
+        const Decomposition<float>& d = fog.decomposition;
+        double worst = 0;
+        for (int ray = 0; ray < rays; ++ray) {
+            const auto [from, to] = random_ray(random, path, d.width, d.height);
+            worst = std::max(worst, difference(from, to));
+        }
+        return worst;
+    }
+
+  private:
+    static Fog made(const Grid<float>& map, const FogOptions& options, double extinction,
+                    const Profile& profile) {
+        auto fog = make_fog(map, options);
+        REQUIRE(fog.has_value());
+        fog->extinction = extinction;
+        fog->profile = profile;
+        return *fog;
+    }
+};
 
 }  // namespace
 
@@ -106,18 +137,9 @@ TEST_CASE("ray errors: of rays of every slope through rough fog, each followed b
                             float(lean + 0.01 * std::sin(2 * std::numbers::pi * double(i) / width) +
                                   random.uniform(-0.005, 0.005));
                     }
-                auto first = make_fog(map, {.boundary = Boundary::repeat});
-                auto second = make_fog(map + error, {.boundary = Boundary::repeat});
-                REQUIRE((first.has_value() && second.has_value()));
-                first->extinction = second->extinction = depth / path;
-                first->profile = second->profile = profile;
-                const Reference of_map(*first), of_both(*second);
-                double truth = 0;
-                for (int ray = 0; ray < 4000; ++ray) {
-                    const auto [from, to] = random_ray(random, path, width, height);
-                    truth = std::max(truth, difference(of_map, of_both, from, to));
-                }
-                const double found = wfog::worst_ray_error(*first, map, error, path, 32);
+                const Pair pair(map, error, {.boundary = Boundary::repeat}, depth / path, profile);
+                const double truth = pair.worst_of_random(random, 20000, path);
+                const double found = wfog::worst_ray_error(pair.fog, map, error, path, 32);
                 CAPTURE(int(profile.kind));
                 CAPTURE(path);
                 CAPTURE(depth);
@@ -135,13 +157,10 @@ TEST_CASE("ray errors: one wrong pixel is worst straight up") {
         const Grid<float> map = Grid<float>::Constant(40, 50, 0.1f);
         Grid<float> error = Grid<float>::Zero(40, 50);
         error(20, 30) = 0.05f;
-        auto first = make_fog(map, {}), second = make_fog(map + error, {});
-        REQUIRE((first.has_value() && second.has_value()));
-        first->extinction = second->extinction = 0.05;
-        first->profile = second->profile = profile;
+        const Pair pair(map, error, {}, 0.05, profile);
         const Eigen::Vector3d foot(30.5, 0, 20.5), end = foot + path * Eigen::Vector3d::UnitY();
-        const double truth = difference(Reference(*first), Reference(*second), foot, end);
-        const double found = wfog::worst_ray_error(*first, map, error, path, 32);
+        const double truth = pair.difference(foot, end);
+        const double found = wfog::worst_ray_error(pair.fog, map, error, path, 32);
         CAPTURE(int(profile.kind));
         CHECK(found >= truth * 0.999);
         // A ray at an angle stays in the fog for longer, but soon leaves the pixel.
@@ -164,17 +183,9 @@ TEST_CASE("ray errors: uniform fog is bounded by its pixels, thin ones beside de
                     map.data()[i] = float(density);
                     error.data()[i] = float(std::max(off, -density));
                 }
-                const FogOptions options{.degree = degree, .levels = 0};
-                auto first = make_fog(map, options), second = make_fog(map + error, options);
-                REQUIRE((first.has_value() && second.has_value()));
-                first->extinction = second->extinction = extinction;
-                const Reference of_map(*first), of_both(*second);
-                double truth = 0;
-                for (int ray = 0; ray < 6000; ++ray) {
-                    const auto [from, to] = random_ray(random, path, width, height);
-                    truth = std::max(truth, difference(of_map, of_both, from, to));
-                }
-                const double found = wfog::worst_ray_error(*first, map, error, path, 4);
+                const Pair pair(map, error, {.degree = degree, .levels = 0}, extinction, {});
+                const double truth = pair.worst_of_random(random, 6000, path);
+                const double found = wfog::worst_ray_error(pair.fog, map, error, path, 4);
                 CAPTURE(degree);
                 CAPTURE(extinction);
                 CAPTURE(path);

@@ -56,14 +56,12 @@ const MixerTables& mixer_tables() {
 }
 
 ContextMixer::ContextMixer(const std::array<std::uint32_t, kContexts>& sizes)
-    : estimates_(std::size_t(std::accumulate(sizes.begin(), sizes.end(), 0u)) * kNodes),
+    : group_(std::size_t(std::accumulate(sizes.begin(), sizes.end(), 0u)) * kTogether),
+      estimates_(group_ * (kNodes / kTogether)),
       first_(kNodes * kFirstSets * kInputs, 0.2f),
       second_(kNodes * kSecondSets * kInputs, 0.2f) {
-    Estimate* base = estimates_.data();
-    for (std::size_t i = 0; i < kContexts; ++i) {
-        bases_[i] = rows_[i] = base;
-        base += std::size_t(sizes[i]) * kNodes;
-    }
+    static_assert(kNodes % kTogether == 0);
+    std::exclusive_scan(sizes.begin(), sizes.end(), starts_.begin(), 0u);
 }
 
 [[gnu::always_inline]] inline float ContextMixer::squash(float x) const {
@@ -94,8 +92,9 @@ template <class Coder>
     const MixerTables& tables = tables_;
     alignas(32) std::array<float, kInputs> in;
     alignas(32) std::array<std::uint16_t, kLanes> p{}, seen{}, rates{};
+    Estimate* const estimates = of_node(node);
     for (std::size_t i = 0; i < kContexts; ++i) {
-        const Estimate e = rows_[i][node];
+        const Estimate e = estimates[places_[i]];
         const Pace& pace = tables.paces[e.seen];
         p[i] = e.p;
         seen[i] = e.seen;
@@ -123,7 +122,7 @@ template <class Coder>
         p[i] = static_cast<std::uint16_t>((q - way) ^ flip);
         seen[i] = static_cast<std::uint16_t>(seen[i] + (seen[i] < kMostSeen ? 1 : 0));
     }
-    for (std::size_t i = 0; i < kContexts; ++i) rows_[i][node] = {p[i], seen[i]};
+    for (std::size_t i = 0; i < kContexts; ++i) estimates[places_[i]] = {p[i], seen[i]};
     return bit;
 }
 

@@ -53,11 +53,11 @@ class ContextMixer {
     int code(RangeDecoder& coder, int bit, int node, int first_set, int second_set);
 
     /// The context of a kind, below its size, until the next.
-    void set(std::size_t kind, std::uint32_t context) { rows_[kind] = row(kind, context); }
-    /// The context will soon be set.
-    void expect(std::size_t kind, std::uint32_t context) const {
+    void set(std::size_t kind, std::uint32_t context) { places_[kind] = place(kind, context); }
+    /// The context will soon be set, for a decision of kind `node`.
+    void expect(std::size_t kind, std::uint32_t context, int node) {
 #ifdef __GNUC__
-        __builtin_prefetch(row(kind, context));
+        __builtin_prefetch(of_node(node) + place(kind, context));
 #endif
     }
 
@@ -66,8 +66,14 @@ class ContextMixer {
     static constexpr std::size_t kLanes = 16;  ///< contexts, and what fills the vectors
     static constexpr std::uint16_t kMostSeen = 250;
 
-    Estimate* row(std::size_t kind, std::uint32_t context) const {
-        return bases_[kind] + context * std::uint32_t(kNodes);
+    // Those of a few kinds of decisions lie together for all contexts: most pixels need no others,
+    // and all contexts' together are more than a cache holds.
+    static constexpr int kTogether = 4;
+    std::uint32_t place(std::size_t kind, std::uint32_t context) const {
+        return (starts_[kind] + context) * std::uint32_t(kTogether);
+    }
+    Estimate* of_node(int node) {
+        return estimates_.data() + std::size_t(node / kTogether) * group_ + node % kTogether;
     }
     template <class Coder>
     int code_by(Coder& coder, int bit, int node, int first_set, int second_set);
@@ -76,8 +82,9 @@ class ContextMixer {
     static void learn(float* weights, const float* in, float error);
 
     const MixerTables& tables_ = mixer_tables();
+    std::array<std::uint32_t, kContexts> starts_{}, places_{};  ///< of each kind, of its context
+    std::size_t group_;                                         ///< estimates that lie together
     std::vector<Estimate> estimates_;
-    std::array<Estimate*, kContexts> bases_{}, rows_{};  ///< of each kind, and of its context
     std::vector<float> first_, second_;
 };
 

@@ -95,7 +95,7 @@ struct Tightness {
     double finest = 1, coarser = 1;
 };
 /// The share of a prequantiser's RMS error that smooth maps may have.
-constexpr double kThreeDecibels = 0.71;
+constexpr double kThreeDecibels = 0.7079;
 
 /// Each with more bits and less error than the one before; bounds of 0.7 at coarse levels bring
 /// most smooth maps 3 dB for 3 % more bits.

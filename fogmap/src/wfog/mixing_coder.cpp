@@ -40,7 +40,7 @@ int fine(int e) {
     return kFine[size_t(std::min(e, 1023))];
 }
 
-/// -7..7 as 0..15 (both zeros apart): a signed difference by the size of its magnitude.
+/// 0..14, 7 for none: a signed difference by the size of its magnitude.
 template <size_t Size>
 uint32_t signed_class(double x, const std::array<double, Size>& limits) {
     const double magnitude = std::fabs(x);
@@ -254,8 +254,8 @@ class Model {
         const int64_t magnitude = std::abs(quotient);
         candidate(p);
         if (shift == 0) {
-            expect_candidate(p - step_);
-            expect_candidate(p + step_);
+            expect_candidate(p - step_, kUnary);
+            expect_candidate(p + step_, kUnary);
             if (code(quotient == 0, kIsZero, energy_class, second_set)) return 0;
             const int negative = code(quotient < 0, kSign, energy_class, second_set);
             const int64_t towards = negative ? -step_ : step_;
@@ -266,7 +266,7 @@ class Model {
                     break;
                 }
                 candidate(p + m * towards);
-                expect_candidate(p + (m + 1) * towards);
+                expect_candidate(p + (m + 1) * towards, kUnary + u + 1);
                 if (!code(magnitude > m, kUnary + u, energy_class, second_set)) break;
             }
             return negative ? -m : m;
@@ -292,8 +292,8 @@ class Model {
 
     /// What a decision would make of the pixel, as its context: maps with few values show it.
     void candidate(int64_t v) { mixer_.set(5, static_cast<uint32_t>(v) % kCandidates); }
-    void expect_candidate(int64_t v) const {
-        mixer_.expect(5, static_cast<uint32_t>(v) % kCandidates);
+    void expect_candidate(int64_t v, int node) {
+        mixer_.expect(5, static_cast<uint32_t>(v) % kCandidates, node);
     }
 
     /// Exponential Golomb code of n >= 0, up to 34 bits.
