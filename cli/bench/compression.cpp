@@ -136,8 +136,8 @@ Result<CodecRun> run_ours(CodecMap& map, const Fog& fog, double error, bool best
     return run;
 }
 
-/// A codec's run with the medians of its times: as many runs as some time allows, so that neither a
-/// cold cache nor a busy moment of the machine tells.
+/// A codec's run with the medians of its times: as many runs as some time allows, so that of quick
+/// ones neither a cold cache nor a busy moment of the machine tells.
 template <class Run>
 Result<CodecRun> repeated(Run run_once) {
     constexpr std::size_t kMostRuns = 9;
@@ -186,16 +186,26 @@ Facts run_facts(const CodecMap& map, const std::string& codec, double error, con
 
 constexpr double kTimedPixels = 60000;  // a smaller map takes too little time
 
-/// Geometric mean of a key over the runs of a codec at an error on the maps that all have.
+/// The runs of a codec at an error on the maps that all have; `timed`: on those large enough.
+std::vector<Facts> runs_of(const Facts& runs, const std::string& codec, double error,
+                           const std::set<std::string>& maps, bool timed) {
+    std::vector<Facts> found;
+    for (const Facts& run : runs)
+        if (run.at("codec") == codec && run.at("error") == error &&
+            maps.count(run.at("map").get<std::string>()) > 0 &&
+            (!timed || run.at("pixels").get<double>() >= kTimedPixels))
+            found.push_back(run);
+    return found;
+}
+
+/// Geometric mean of a key over them.
 std::optional<double> mean_of(const Facts& runs, const std::string& codec, double error,
                               const std::set<std::string>& maps, const char* key) {
     const bool timed = std::string_view(key).ends_with("mpixel_s");
     double sum = 0;
     int count = 0;
-    for (const Facts& run : runs)
-        if (run.at("codec") == codec && run.at("error") == error &&
-            maps.count(run.at("map").get<std::string>()) > 0 && run.at(key).is_number() &&
-            (!timed || run.at("pixels").get<double>() >= kTimedPixels)) {
+    for (const Facts& run : runs_of(runs, codec, error, maps, timed))
+        if (run.at(key).is_number()) {
             sum += std::log(run.at(key).get<double>());
             ++count;
         }
@@ -203,18 +213,15 @@ std::optional<double> mean_of(const Facts& runs, const std::string& codec, doubl
     return std::exp(sum / count);
 }
 
-/// The mean speed at 1/255 and the median of the runs' spreads: "34.6 ± 4 %".
+/// The mean speed at 1/255 and the median spread of what ran more than once: "34.6 ± 4 %".
 std::string speed_text(const Facts& runs, const std::string& codec,
                        const std::set<std::string>& maps, const std::string& way) {
     const auto speed = mean_of(runs, codec, 1, maps, (way + "_mpixel_s").c_str());
     Samples spreads;
-    for (const Facts& run : runs)
-        if (run.at("codec") == codec && run.at("error") == 1.0 &&
-            maps.count(run.at("map").get<std::string>()) > 0)
-            spreads.add(run.value(way + "_spread", 0.0));
+    for (const Facts& run : runs_of(runs, codec, 1, maps, true))
+        if (const double spread = run.value(way + "_spread", 0.0); spread > 0) spreads.add(spread);
     std::string text = short_number(speed);
-    if (spreads.size() > 0 && spreads.median() > 0)
-        text += fmt::format(" ± {:.0f} %", 50 * spreads.median());
+    if (spreads.size() > 0) text += fmt::format(" ± {:.0f} %", 50 * spreads.median());
     return text;
 }
 
@@ -293,7 +300,7 @@ std::string compression_text(const Facts& runs, bool markdown) {
     std::string text = fmt::format(
         "Bits a pixel (geometric means of {} maps; without loss {}), PSNR at 4/255 in dB, and "
         "Mpixel/s at 1/255 on maps of at least 60000 pixels, one thread (ours with the check of "
-        "its own bytes; medians of up to 9 runs, ± half their range)\n\n",
+        "its own bytes; medians of up to 9 runs where they are quick, ± half their range)\n\n",
         maps[1].size(), maps[0].size());
     Table table({"codec", "lossless", "1/255", "2/255", "4/255", "PSNR", "in", "out"});
     for (const std::string& codec : codecs) {

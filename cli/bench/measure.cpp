@@ -165,6 +165,7 @@ Result<void> Measurement::run_group(const Group& group, double seconds, Results&
     Result<Stage> stage = Stage::create(context_.gl(), scene, group.size);
     if (!stage) return tl::unexpected(stage.error());
 
+    prepare(group);
     if (!group.variants.empty())
         stage->limits = ray_limits(group.variants.front()->fogs, scene.camera, stage->depth);
     // Truths come first: they do not disturb the timing.
@@ -175,7 +176,6 @@ Result<void> Measurement::run_group(const Group& group, double seconds, Results&
         truths.push_back(*made);
     }
 
-    prepare(group);
     std::vector<Contender> contenders;
     const auto enter = [&](const Case& one) {
         Row row = empty_row(group, one);

@@ -68,6 +68,11 @@ Figure models_figure(const std::vector<Row>& rows) {
         }
         if (!curve.points.empty()) figure.curves.push_back(std::move(curve));
     }
+    // The names of the lowest points stand below them.
+    for (const Note& note : figure.notes) {
+        figure.y.low = figure.y.low > 0 ? std::min(figure.y.low, note.y / 6) : note.y / 6;
+        figure.y.high = std::max({figure.y.high, 2 * note.y, 2 * kVisibleError});
+    }
     // From the top down; points that touch share a text, which names them in that order.
     std::stable_sort(figure.notes.begin(), figure.notes.end(),
                      [](const Note& a, const Note& b) { return a.y > b.y; });

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cassert>
 #include <map>
 #include <numbers>
 #include <tuple>
@@ -85,6 +86,7 @@ Result<std::vector<Group>> plan_scale(const std::vector<BenchScene>& scenes, con
                                       const std::vector<Method>& methods,
                                       const std::vector<double>& mus) {
     constexpr std::size_t kCases = std::size(kCameras);
+    assert(scenes.size() % kCases == 0);
     std::vector<Group> groups;
     const auto add = [&](std::size_t scene, const std::shared_ptr<const Variant>& variant,
                          const Size& picture) {

@@ -145,7 +145,7 @@ TEST_CASE("ray errors: of rays of every slope through rough fog, each followed b
                 CAPTURE(depth);
                 CHECK(found >= truth);
                 // A tenth for rays between lines, lengths in classes a fifth wide, and the worst of
-                // all rays against that of some thousands. Where a cell is deep itself, the depth
+                // all rays against that of twenty thousand. Where a cell is deep itself, the depth
                 // of the shortest of a class says little about a segment's.
                 CHECK(found <= truth * (depth < 10 ? 2.0 : 4.0));
             }

@@ -12,7 +12,7 @@
 
 namespace wavefog::wfog {
 
-// Encoder and decoder must compute the same numbers on every machine: only +, -, * of IEEE 754
+// Encoder and decoder must compute the same numbers on every machine: only +, -, *, / of IEEE 754
 // floats in a fixed order, no fused operations (see CMakeLists.txt), and tables made of them.
 static_assert(std::numeric_limits<float>::is_iec559 && std::numeric_limits<double>::is_iec559);
 

@@ -32,9 +32,12 @@ struct RayLimits {
 /// Haar maps are bounded by the variation alone, which is several times looser.
 class RadialBound {
   public:
-    /// Reads all of the map once: 80 bytes a cell. `fog` must pass Fog::validate(), `dropped` is
-    /// its; both must outlive this.
+    /// Reads all of the map once and keeps 48, 60 or 80 bytes a cell, by the degree. `fog` must
+    /// pass Fog::validate(), `dropped` is of the same fog; both must outlive this and stay as they
+    /// are.
     RadialBound(const Fog& fog, const DetailBound& dropped);
+    RadialBound(const Fog& fog, DetailBound&& dropped) = delete;
+    RadialBound(Fog&& fog, const DetailBound& dropped) = delete;
     ~RadialBound();
 
     /// |T_radial - T| for every ray of the picture within `limits`; T is dimensionless, at most 1,
