@@ -132,7 +132,6 @@ Result<CodecRun> run_ours(CodecMap& map, const Fog& fog, double error, bool best
     run.decode_s = seconds_since(start);
     map.full_scale = encoded->report.full_scale;
     run.densities = std::move(decoded->map);
-    compare(map, run);
     return run;
 }
 
@@ -269,9 +268,9 @@ Result<void> study_compression(const std::vector<fs::path>& pictures, Results& r
         for (const double error : errors) {
             show_progress_line(double(m) / double(maps.size()), seconds_since(start), map.name);
             for (const bool best : {false, true}) {
-                const Result<CodecRun> run =
-                    repeated([&] { return run_ours(map, *fog, error, best); });
+                Result<CodecRun> run = repeated([&] { return run_ours(map, *fog, error, best); });
                 if (!run) return tl::unexpected(run.error());
+                compare(map, *run);
                 results.compression.push_back(run_facts(map, ours[best ? 1 : 0], error, *run));
             }
             const std::optional<Prequantised> input = prequantise(map, error);
