@@ -1,6 +1,7 @@
 // wavefog convert: a greyscale picture becomes a fog file.
 #include <fmt/format.h>
 
+#include <cmath>
 #include <limits>
 #include <map>
 #include <memory>
@@ -102,7 +103,19 @@ Result<Fog> fog_of_fog(const ConvertOptions& options, Grid<float>& pixels) {
     return fog;
 }
 
+bool promises_rays(const ConvertOptions& options) {
+    return options.compact.promise == WfogOptions::Promise::max_transmittance_error;
+}
+
 void warn_about(const ConvertOptions& options, const Fog& fog) {
+    const Profile& profile = fog.profile;
+    const bool endless =
+        profile.kind == Profile::Kind::exponential || profile.kind == Profile::Kind::linear;
+    if (promises_rays(options) && endless && !std::isfinite(options.compact.ground))
+        warn(fmt::format(
+            "rays far below the base at {} m count too, where fog does not thin; if none go there, "
+            "--ground Y makes the file smaller",
+            profile.base));
     const Decomposition<float>& d = fog.decomposition;
     if (options.levels && *options.levels > d.levels())
         warn("--" + level_cap_message(*options.levels, d.levels(), d.width, d.height, d.boundary));
@@ -123,11 +136,13 @@ Result<void> check_flags(const ConvertOptions& options, bool compact) {
     if (options.promises > 1)
         return usage_error(
             "--lossless, --max-error, --max-transmittance-error, --bytes: give one of them");
-    using Promise = WfogOptions::Promise;
-    const bool by_path = options.compact.promise == Promise::max_transmittance_error;
+    const bool by_path = promises_rays(options);
     if (by_path != (options.compact.path > 0))
         return usage_error(
             "--max-transmittance-error and --path go together: the error is that of rays so long");
+    if (!by_path && std::isfinite(options.compact.ground))
+        return usage_error(
+            "--ground goes with --max-transmittance-error and --path: it says how low rays reach");
     return {};
 }
 
@@ -202,8 +217,8 @@ Result<void> write_wfog(const ConvertOptions& options, const Fog& fog, const Gri
     facts["rms_error"] = report.rms_error;
     const auto decoded = decode_wfog(encoded->bytes);
     if (!decoded) return tl::unexpected(decoded.error());
-    const SampledError sampled =
-        sampled_transmittance_error(fog, decoded->fog, options.compact.path);
+    const SampledError sampled = sampled_transmittance_error(
+        fog, decoded->fog, options.compact.path, options.compact.ground);
     facts["worst_dT"] = sampled.worst;
     facts["sampled_rays"] = sampled.rays;
     facts["wrote"] = Facts::array({options.output.string()});
@@ -334,12 +349,16 @@ void add_promises(CLI::App& app, ConvertOptions& options) {
             return parse(text);
         },
         "E",
-        ".wfog: no ray's transmittance is off by more than E (with --path), whatever its slope; "
-        "above the base, if the profile has one");
+        ".wfog: no ray's transmittance is off by more than E (with --path), whatever its slope");
     add_parsed(
         app, "--path", options.compact.path,
         [](const std::string& text) { return parse_fraction(text); }, "L",
         "The longest ray of --max-transmittance-error, metres");
+    add_parsed(
+        app, "--ground", options.compact.ground,
+        [](const std::string& text) { return parse_number(text); }, "Y",
+        "The lowest height that those rays reach, metres (any); known, it makes files of fog that "
+        "thins with height smaller");
     add_parsed(
         app, "--bytes", options.compact.bytes,
         [promise](const std::string& text) {
@@ -423,6 +442,8 @@ given, else as .exr; one that fails does not keep the others back.
 Example: banks of fog over 400 x 400 m that thin out with every 8 m of height
   wavefog convert banks.png -o banks.exr --rect -200,-200,200,200 \
                   --extinction 0.05 --profile exponential:0,8
+Example: small, and no ray of up to 500 m above a ground at -2 m is off by more than 0.01
+  wavefog convert banks.exr -o banks.wfog --max-transmittance-error 0.01 --path 500 --ground -2
 Example: all maps of a folder, no pixel off by more than one step of 255
   wavefog convert maps/*.png -o packed --max-error 1/255 --best)");
     return {app, [options] { return convert(*options); }};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "wavefog/fogmap/reference.h"
@@ -9,25 +10,27 @@
 namespace wavefog::cli {
 namespace {
 
-/// A height at which h(y) = 1.
-double dense_height(const Profile& profile) {
+/// Where the rays that climb meet most fog, of those above `ground`.
+double lowest_height(const Profile& profile, double path, double ground) {
     switch (profile.kind) {
         case Profile::Kind::slab:
-            return (profile.bottom + profile.top) / 2;
+            return std::max(profile.bottom, ground);
         case Profile::Kind::exponential:
         case Profile::Kind::linear:
-            return profile.base;
+            return std::max(profile.base - path, ground);
         case Profile::Kind::uniform:
             break;
     }
-    return 0;
+    return std::max(0.0, ground);
 }
 
 }  // namespace
 
-SampledError sampled_transmittance_error(const Fog& a, const Fog& b, double path) {
+SampledError sampled_transmittance_error(const Fog& a, const Fog& b, double path, double ground) {
     const Reference first(a), second(b);
-    const double y = dense_height(a.profile);
+    const Rect& rect = a.rect;
+    if (path == 0) path = std::hypot(rect.x1 - rect.x0, rect.z1 - rect.z0);
+    const double y = lowest_height(a.profile, path, ground);
     const int side = std::max(a.decomposition.width, a.decomposition.height);
     SampledError error;
     error.rays = static_cast<std::size_t>(std::clamp(400000 / side, 64, 1024));
@@ -36,10 +39,12 @@ SampledError sampled_transmittance_error(const Fog& a, const Fog& b, double path
         return low + (high - low) * (double(random() >> 11) * 0x1p-53);
     };
     for (std::size_t i = 0; i < error.rays; ++i) {
-        const Eigen::Vector3d o(between(a.rect.x0, a.rect.x1), y, between(a.rect.z0, a.rect.z1));
-        Eigen::Vector3d p(between(a.rect.x0, a.rect.x1), y, between(a.rect.z0, a.rect.z1));
-        const double length = (p - o).norm();
-        if (path > 0 && length > path) p = o + (p - o) * (path / length);
+        const Eigen::Vector3d o(between(rect.x0, rect.x1), y, between(rect.z0, rect.z1));
+        const double angle = between(0, 2 * std::numbers::pi), up = std::numbers::pi / 2;
+        const double slope = i % 4 == 0 ? 0 : i % 4 == 1 ? up : between(0, up);
+        const Eigen::Vector3d along(std::cos(angle) * std::cos(slope), std::sin(slope),
+                                    std::sin(angle) * std::cos(slope));
+        const Eigen::Vector3d p = o + path * std::sqrt(between(0, 1)) * along;
         const double difference =
             std::exp(-first.optical_depth(o, p)) - std::exp(-second.optical_depth(o, p));
         error.worst = std::max(error.worst, std::fabs(difference));

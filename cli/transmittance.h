@@ -12,8 +12,9 @@ struct SampledError {
     std::size_t rays = 0;  ///< of so many
 };
 
-/// Compares transmittances along rays between random points of the map's rectangle (the same ones
-/// every time), where the height profile is 1, of up to `path` metres (0: any length).
-SampledError sampled_transmittance_error(const Fog& a, const Fog& b, double path);
+/// Compares transmittances along rays from random points (the same ones every time) above or below
+/// the map's rectangle, level ones, straight up and of any slope, of up to `path` metres (0: the
+/// rectangle's diagonal), from where fog is densest above the height `ground` (or -infinity).
+SampledError sampled_transmittance_error(const Fog& a, const Fog& b, double path, double ground);
 
 }  // namespace wavefog::cli

@@ -28,6 +28,7 @@ Result<void> measure_ray_promise(const CodecMap& map, Facts& rows) {
         by_rays.promise = WfogOptions::Promise::max_transmittance_error;
         by_rays.error = error;
         by_rays.path = path;
+        by_rays.ground = fog->profile.base;
         Facts row = {{"map", map.name}, {"path_cells", path}};
         for (const auto& [name, options] :
              {std::pair{"by_pixels", by_pixels}, {"by_rays", by_rays}}) {

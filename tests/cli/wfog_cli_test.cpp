@@ -79,6 +79,20 @@ TEST_CASE("convert keeps what it promises of a .wfog file and says what it achie
     CHECK(convert({"--bytes", "1500"})["bytes"] <= 1500);
     const json rays = convert({"--max-transmittance-error", "0.01", "--path", "60"});
     CHECK(rays["worst_dT"].get<double>() <= 0.01);
+    const std::vector<std::string> thinning = {
+        "--extinction", "0.05",   "--profile", "exponential:3,8", "--max-transmittance-error",
+        "0.01",         "--path", "60"};
+    const json anywhere = convert(thinning);
+    CHECK(anywhere["worst_dT"].get<double>() <= 0.01);
+    std::vector<std::string> grounded = thinning;
+    grounded.insert(grounded.end(), {"--ground", "2.5"});
+    const json above = convert(grounded);
+    CHECK(above["worst_dT"].get<double>() <= 0.01);
+    CHECK(above["bytes"] < anywhere["bytes"]);
+    // The first of them says how to get the second.
+    std::vector<std::string> line = {"convert", "map.png", "-o", "out.wfog"};
+    line.insert(line.end(), thinning.begin(), thinning.end());
+    CHECK(contains(work.run(line).err, "--ground Y makes the file smaller"));
 }
 
 TEST_CASE("a truncated .wfog file is shown as far as it goes") {
@@ -131,6 +145,8 @@ TEST_CASE("flags that contradict each other or the output are mistakes") {
         {{"x.wfog", "--lossless", "--max-error", "1/255"}, "give one of them"},
         {{"x.wfog", "--max-transmittance-error", "0.01"}, "go together"},
         {{"x.wfog", "--path", "10"}, "go together"},
+        {{"x.wfog", "--max-error", "1/255", "--ground", "0"}, "how low rays reach"},
+        {{"x.wfog", "--ground", "low"}, "--ground"},
         {{"x.wfog", "--max-error", "0"}, "no number above 0"},
         {{"x.wfog", "--max-error", "1/0"}, "no number above 0"},
         {{"x.wfog", "--max-error", "2"}, "a fraction of the map's full scale"},

@@ -7,11 +7,13 @@
 #include <cmath>
 #include <numbers>
 #include <utility>
+#include <vector>
 
 #include "support/random.h"
 #include "wavefog/fogmap/fog.h"
 #include "wavefog/fogmap/reference.h"
 #include "wfog/pixel_errors.h"
+#include "wfog/ray_segments.h"
 
 namespace wavefog {
 namespace {
@@ -34,19 +36,28 @@ const Profile kProfiles[] = {{},
                              {.kind = Profile::Kind::linear, .top = 14, .base = 0},
                              {.kind = Profile::Kind::slab, .bottom = 0, .top = 11}};
 
-/// A ray from the base of the fog or above it, of any slope: often level, or straight up above a
-/// pixel's centre.
-std::pair<Eigen::Vector3d, Eigen::Vector3d> random_ray(test::Random& random, double path, int width,
-                                                       int height) {
-    Eigen::Vector3d from(random.uniform(0, width), 0, random.uniform(0, height));
+constexpr double kGrounds[] = {-HUGE_VAL, -25, 0, 6};
+
+WfogOptions along(double path, double ground = 0) {
+    WfogOptions options;
+    options.path = path;
+    options.ground = ground;
+    return options;
+}
+
+/// A ray from the height `lowest` or a little above it, of any slope: often level, or straight up
+/// above a pixel's centre.
+std::pair<Eigen::Vector3d, Eigen::Vector3d> random_ray(test::Random& random, double path,
+                                                       double lowest, int width, int height) {
+    Eigen::Vector3d from(random.uniform(0, width), lowest, random.uniform(0, height));
     double rise = std::numbers::pi / 2 * random.uniform(0, 1);
     const int kind = random.integer(0, 5);
     if (kind == 0) rise = 0;
     if (kind == 1) {
         rise = std::numbers::pi / 2;
-        from = {std::floor(from.x()) + 0.5, 0, std::floor(from.z()) + 0.5};
+        from = {std::floor(from.x()) + 0.5, lowest, std::floor(from.z()) + 0.5};
     }
-    if (kind == 2) from.y() = random.uniform(0, 5);
+    if (kind == 2) from.y() += random.uniform(0, 5);
     const double angle = random.uniform(0, 2 * std::numbers::pi);
     const Eigen::Vector3d along(std::cos(angle) * std::cos(rise), std::sin(rise),
                                 std::sin(angle) * std::cos(rise));
@@ -69,11 +80,11 @@ struct Pair {
                          std::exp(-of_both.optical_depth(from, to)));
     }
 
-    double worst_of_random(test::Random& random, int rays, double path) const {
+    double worst_of_random(test::Random& random, int rays, double path, double lowest) const {
         const Decomposition<float>& d = fog.decomposition;
         double worst = 0;
         for (int ray = 0; ray < rays; ++ray) {
-            const auto [from, to] = random_ray(random, path, d.width, d.height);
+            const auto [from, to] = random_ray(random, path, lowest, d.width, d.height);
             worst = std::max(worst, difference(from, to));
         }
         return worst;
@@ -107,7 +118,7 @@ TEST_CASE("ray errors: an error that is the same everywhere, in thin and in dens
                 CAPTURE(extinction);
                 CAPTURE(path);
                 const double truth = largest_change(extinction, path);
-                const double found = wfog::worst_ray_error(*fog, map, error, path, 16);
+                const double found = wfog::worst_ray_error(*fog, map, error, along(path), 16);
                 CHECK(found >= truth * 0.999);
                 if (profile.kind == Profile::Kind::uniform) CHECK(found <= truth * 1.001);
                 // The reserve of a tenth, segments up to a fifth (and one sample) longer than said.
@@ -138,17 +149,71 @@ TEST_CASE("ray errors: of rays of every slope through rough fog, each followed b
                                   random.uniform(-0.005, 0.005));
                     }
                 const Pair pair(map, error, {.boundary = Boundary::repeat}, depth / path, profile);
-                const double truth = pair.worst_of_random(random, 20000, path);
-                const double found = wfog::worst_ray_error(pair.fog, map, error, path, 32);
-                CAPTURE(int(profile.kind));
-                CAPTURE(path);
-                CAPTURE(depth);
-                CHECK(found >= truth);
-                // A tenth for rays between lines, lengths in classes a fifth wide, and the worst of
-                // all rays against that of twenty thousand. Where a cell is deep itself, the depth
-                // of the shortest of a class says little about a segment's.
-                CHECK(found <= truth * (depth < 10 ? 2.0 : 4.0));
+                for (const double ground : kGrounds) {
+                    // Rays that start a path below the base see as much fog as any.
+                    const bool starts = profile.kind == Profile::Kind::slab;
+                    const double lowest = std::max(ground, starts ? profile.bottom : -path);
+                    const double truth = pair.worst_of_random(random, 20000, path, lowest);
+                    const double found =
+                        wfog::worst_ray_error(pair.fog, map, error, along(path, ground), 32);
+                    CAPTURE(int(profile.kind));
+                    CAPTURE(path);
+                    CAPTURE(depth);
+                    CAPTURE(ground);
+                    CHECK(found >= truth);
+                    // A tenth for rays between lines, lengths in classes a fifth wide, and the
+                    // worst of all rays against that of twenty thousand. Where a cell is deep
+                    // itself, the depth of the shortest of a class says little about a segment's.
+                    CHECK(found <= truth * (depth < 10 ? 2.0 : 4.0));
+                }
             }
+}
+
+TEST_CASE("ray errors: rays in fog that thins are means of segments, with all that they reach") {
+    // Wrong samples in a row that thinning rays meet several of, deep fog between them.
+    constexpr std::size_t samples = 200;
+    for (const std::size_t apart : {1, 3, 7, 20})
+        for (const double depth : {0.001, 0.02, 0.1})
+            for (const double mean : {2.0, 6.5, 15.0, 40.0})
+                for (const double stretch : {1.0, 4.0}) {
+                    constexpr double off = 0.05;
+                    std::vector<double> sums(1, 0.0), densities(1, 0.0);
+                    for (std::size_t i = 0; i < samples; ++i) {
+                        sums.push_back(sums.back() + (i % apart == 0 ? off : 0));
+                        densities.push_back(densities.back() + 1);
+                    }
+                    wfog::RaySegments segments(samples, depth);
+                    segments.add_line(sums, densities);
+                    double truth = 0, tau = 0, change = 0;
+                    // Rays from sample 0: how dense they are falls to 1 / e in `mean` samples.
+                    for (std::size_t i = 0; i < samples; ++i) {
+                        const double part =
+                            stretch * depth * mean *
+                            (std::exp(-double(i) / mean) - std::exp(-double(i + 1) / mean));
+                        tau += part;
+                        if (i % apart == 0) change += part * off;
+                        truth = std::max(truth, std::exp(-tau) * std::expm1(change));
+                    }
+                    const double found = segments.worst_change(samples, mean, stretch, 1);
+                    CAPTURE(apart);
+                    CAPTURE(depth);
+                    CAPTURE(mean);
+                    CAPTURE(stretch);
+                    CHECK(found >= truth);
+                    // Lengths in classes a fifth wide, each as deep as its shortest.
+                    CHECK(found <= truth * 2.5);
+                }
+}
+
+TEST_CASE("ray errors: no fog above the ground, no error") {
+    const Grid<float> map = Grid<float>::Constant(9, 9, 1.0f);
+    for (const Profile& profile : kProfiles) {
+        const Pair pair(map, map * 0.1f, {}, 1, profile);
+        const bool ends =
+            profile.kind == Profile::Kind::slab || profile.kind == Profile::Kind::linear;
+        const double found = wfog::worst_ray_error(pair.fog, map, map * 0.1f, along(50, 14), 8);
+        CHECK((found == 0) == ends);
+    }
 }
 
 TEST_CASE("ray errors: one wrong pixel is worst straight up") {
@@ -160,7 +225,7 @@ TEST_CASE("ray errors: one wrong pixel is worst straight up") {
         const Pair pair(map, error, {}, 0.05, profile);
         const Eigen::Vector3d foot(30.5, 0, 20.5), end = foot + path * Eigen::Vector3d::UnitY();
         const double truth = pair.difference(foot, end);
-        const double found = wfog::worst_ray_error(pair.fog, map, error, path, 32);
+        const double found = wfog::worst_ray_error(pair.fog, map, error, along(path), 32);
         CAPTURE(int(profile.kind));
         CHECK(found >= truth * 0.999);
         // A ray at an angle stays in the fog for longer, but soon leaves the pixel.
@@ -184,8 +249,8 @@ TEST_CASE("ray errors: uniform fog is bounded by its pixels, thin ones beside de
                     error.data()[i] = float(std::max(off, -density));
                 }
                 const Pair pair(map, error, {.degree = degree, .levels = 0}, extinction, {});
-                const double truth = pair.worst_of_random(random, 6000, path);
-                const double found = wfog::worst_ray_error(pair.fog, map, error, path, 4);
+                const double truth = pair.worst_of_random(random, 6000, path, 0);
+                const double found = wfog::worst_ray_error(pair.fog, map, error, along(path), 4);
                 CAPTURE(degree);
                 CAPTURE(extinction);
                 CAPTURE(path);

@@ -351,6 +351,36 @@ TEST_CASE("wfog: gaps between few values cost nothing") {
         }
 }
 
+namespace {
+
+/// The largest |dT| of 3000 rays of up to `path` metres that climb from the height `lowest` or up
+/// to `higher` metres above it, level ones and such straight up above a pixel's centre among them.
+double worst_of_rays(const Fog& a, const Fog& b, double path, double lowest, double higher,
+                     test::Random& random) {
+    const Reference first(a), second(b);
+    double worst = 0;
+    for (int ray = 0; ray < 3000; ++ray) {
+        Eigen::Vector3d o(random.uniform(0, a.rect.x1), lowest + random.uniform(0, higher),
+                          random.uniform(0, a.rect.z1));
+        const double angle = random.uniform(0, 6.2832);
+        double rise = random.uniform(0, std::numbers::pi / 2);
+        if (ray % 4 == 0) rise = 0;
+        if (ray % 4 == 1) {
+            rise = std::numbers::pi / 2;
+            o.x() = a.cell_x() * (std::floor(o.x() / a.cell_x()) + 0.5);
+            o.z() = a.cell_z() * (std::floor(o.z() / a.cell_z()) + 0.5);
+        }
+        const Eigen::Vector3d u(std::cos(angle) * std::cos(rise), std::sin(rise),
+                                std::sin(angle) * std::cos(rise));
+        const Eigen::Vector3d p = o + u * random.uniform(1, path);
+        worst = std::max(worst, std::fabs(std::exp(-first.optical_depth(o, p)) -
+                                          std::exp(-second.optical_depth(o, p))));
+    }
+    return worst;
+}
+
+}  // namespace
+
 TEST_CASE("wfog: no ray's transmittance is off by more than promised, whatever its slope") {
     test::Random random(31);
     const Profile exponential{.kind = Profile::Kind::exponential, .base = 0, .scale = 10};
@@ -377,26 +407,10 @@ TEST_CASE("wfog: no ray's transmittance is off by more than promised, whatever i
                     options.promise = Promise::max_transmittance_error;
                     options.error = 0.01;
                     options.path = 200;
+                    options.ground = 0;
                     const EncodedFog file = encoded(fog, options, &map);
-                    const DecodedFog back = decoded(file.bytes);
-                    const Reference first(fog), second(back.fog);
-                    double worst = 0;
-                    for (int ray = 0; ray < 3000; ++ray) {
-                        Eigen::Vector3d o(random.uniform(0, fog.rect.x1), random.uniform(0, 5),
-                                          random.uniform(0, fog.rect.z1));
-                        const double angle = random.uniform(0, 6.2832);
-                        double rise = random.uniform(0, std::numbers::pi / 2);
-                        if (ray % 4 == 0) rise = 0;
-                        if (ray % 4 == 1) {  // straight up above a pixel's centre
-                            rise = std::numbers::pi / 2;
-                            o = {2 * std::floor(o.x() / 2) + 1, 0, 2 * std::floor(o.z() / 2) + 1};
-                        }
-                        const Eigen::Vector3d u(std::cos(angle) * std::cos(rise), std::sin(rise),
-                                                std::sin(angle) * std::cos(rise));
-                        const Eigen::Vector3d p = o + u * random.uniform(1, 200);
-                        worst = std::max(worst, std::fabs(std::exp(-first.optical_depth(o, p)) -
-                                                          std::exp(-second.optical_depth(o, p))));
-                    }
+                    const double worst =
+                        worst_of_rays(fog, decoded(file.bytes).fog, options.path, 0, 5, random);
                     CHECK(worst <= options.error);
                     // What promises the same pixel by pixel takes more.
                     WfogOptions pixels;
@@ -412,6 +426,38 @@ TEST_CASE("wfog: no ray's transmittance is off by more than promised, whatever i
                     const int fifths = kind == Kind::floats ? 8 : extinction < 0.1 ? 6 : 5;
                     if (usual) CHECK(file.bytes.size() * std::size_t(fifths) / 5 <= bytes);
                 }
+}
+
+TEST_CASE("wfog: without a ground, rays far below the fog's base count too") {
+    test::Random random(32);
+    for (const Profile& profile :
+         {Profile{.kind = Profile::Kind::exponential, .base = 20, .scale = 10},
+          Profile{.kind = Profile::Kind::linear, .top = 40, .base = 20}}) {
+        const Grid<float> map = make_map(Kind::floats, 60, 50, random.seed());
+        Fog fog = fog_of(map);
+        fog.extinction = 0.02;
+        fog.profile = profile;
+        WfogOptions options;
+        options.promise = Promise::max_transmittance_error;
+        options.error = 0.01;
+        options.path = 200;
+        std::size_t fewest = 0;
+        for (const double ground : {30.0, 20.0, -30.0, -HUGE_VAL}) {
+            options.ground = ground;
+            const EncodedFog file = encoded(fog, options, &map);
+            const Fog back = decoded(file.bytes).fog;
+            const double lowest = std::max(ground, 20 - options.path);
+            CHECK(worst_of_rays(fog, back, options.path, lowest, 5, random) <= options.error);
+            // Known ground saves bytes, the more the higher it is, and is needed for that.
+            CHECK(file.bytes.size() > fewest);
+            fewest = file.bytes.size();
+            if (ground == 20)
+                CHECK(worst_of_rays(fog, back, options.path, 20 - options.path, 5, random) >
+                      options.error);
+        }
+        options.ground = std::nan("");
+        CHECK_FALSE(encode_wfog(fog, options, &map).has_value());
+    }
 }
 
 TEST_CASE("wfog: dense fog that hides errors is coarser, with the same bytes for any threads") {

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "bands.h"
 #include "decoder.h"
@@ -316,6 +316,7 @@ Result<void> check_options(const WfogOptions& options) {
     if (options.promise == Promise::max_transmittance_error &&
         !(options.path > 0 && std::isfinite(options.path)))
         return usage_error(fmt::format("the path is {}; it must be above 0 metres", options.path));
+    if (std::isnan(options.ground)) return usage_error("the ground's height is not a number");
     if (options.promise == Promise::bytes && options.bytes == 0)
         return usage_error("the file cannot have 0 bytes; allow some");
     return {};
@@ -362,7 +363,7 @@ class RaySearch {
         if (!best) return best;
         // White errors add up like the root of the cells: the answer is nearer to the low end.
         const Range range{std::log(sure), std::log(std::max(scale, sure)), 0.4};
-        auto found = widen(range, kFine, 1, *best);
+        auto found = widen(range, 1, *best);
         if (!found) return tl::unexpected(found.error());
         for (double coarseness = kMoreCoarse; coarseness <= kMostCoarse;
              coarseness *= kMoreCoarse) {
@@ -370,7 +371,7 @@ class RaySearch {
             const double saved = std::log(2.0) * encoder_.saving(std::exp(*found), coarseness);
             if (saved < kFine) break;
             const size_t bytes = best->file.bytes.size();
-            const auto other = widen({*found - saved, *found, 0.5}, kRough, coarseness, *best);
+            const auto other = widen({*found - saved, *found, 0.5}, coarseness, *best);
             if (!other) return tl::unexpected(other.error());
             if (best->file.bytes.size() == bytes) break;
         }
@@ -382,34 +383,51 @@ class RaySearch {
     struct Range {
         double low, high, first;
     };
-    static constexpr double kFine = 0.02, kRough = 0.06;
+    static constexpr double kFine = 0.04;
     static constexpr double kMoreCoarse = 2, kMostCoarse = 64;
+    /// Added to the logarithm of the error that a rough search finds.
+    static constexpr double kTried[] = {0.3, 0.25,  0.2,   0.16,  0.12, 0.09,  0.06, 0.03,
+                                        0,   -0.02, -0.04, -0.07, -0.1, -0.15, -0.2};
 
-    /// The largest error in the range that keeps the promise, by halving; `best` gets the smallest
-    /// file that does.
-    Result<double> widen(Range range, double tolerance, double coarseness, Trial& best) {
-        auto& [low, high, share] = range;
-        for (int i = 0; i < 10 && high - low > tolerance; ++i, share = 0.5) {
-            const double middle = low + (high - low) * share;
-            auto trial = encoder_.encode(std::exp(middle), coarseness);
+    /// About the largest error in the range that keeps the promise; `best` gets the smallest file
+    /// that does.
+    Result<double> widen(Range range, double coarseness, Trial& best) {
+        auto [low, high, share] = range;
+        double next = low + (high - low) * share;
+        for (int i = 0; i < 8 && high - low > kFine; ++i) {
+            const auto trial = encoder_.encode(std::exp(next), coarseness);
             if (!trial) return tl::unexpected(trial.error());
-            if (keeps_promise(*trial)) {
-                low = middle;
-                if (trial->file.bytes.size() <= best.file.bytes.size()) best = std::move(*trial);
-            } else {
-                high = middle;
-            }
+            const double worst = worst_ray(*trial, kRough);
+            (worst <= options_.error ? low : high) = next;
+            // Rays are off about as much as pixels are, times something.
+            next += std::log(options_.error / worst);
+            const bool foretold = i < 4 && next > low && next < high;
+            next =
+                foretold ? std::clamp(next, low + kFine / 2, high - kFine / 2) : (low + high) / 2;
+        }
+        // What rays add up differs from file to file, so that some larger errors keep it too.
+        for (const double more : kTried) {
+            auto trial = encoder_.encode(std::exp(low + more), coarseness);
+            if (!trial) return tl::unexpected(trial.error());
+            if (trial->file.bytes.size() >= best.file.bytes.size()) break;
+            if (worst_ray(*trial, kThorough) > options_.error) continue;
+            best = std::move(*trial);
+            break;
         }
         return low;
     }
 
-    bool keeps_promise(const Trial& trial) const {
-        constexpr int kFewAngles = 12, kAngles = 64;
+    static constexpr int kRough[] = {12}, kThorough[] = {4, 12, 64};
+
+    /// The largest |dT| in so many directions; of the first number where that is too large already.
+    double worst_ray(const Trial& trial, std::span<const int> directions) const {
         const Grid<float> error = trial.map - source_.map();
-        return std::ranges::all_of(std::array{kFewAngles, kAngles}, [&](int angles) {
-            return worst_ray_error(fog_, source_.map(), error, options_.path, angles) <=
-                   options_.error;
-        });
+        double worst = 0;
+        for (const int angles : directions) {
+            worst = worst_ray_error(fog_, source_.map(), error, options_, angles);
+            if (worst > options_.error) break;
+        }
+        return worst;
     }
 
     PixelEncoder& encoder_;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <iosfwd>
+#include <limits>
 #include <span>
 #include <stop_token>
 #include <vector>
@@ -20,16 +21,19 @@ struct WfogOptions {
     enum class Promise {
         lossless,   ///< every coefficient comes back bit for bit
         max_error,  ///< every pixel within `error` times the full scale, plus a float's rounding
-        /// |dT| <= `error` along every ray of up to `path` metres, whatever its slope. In uniform
-        /// fog that is proved, up to the rounding of floats; under other profiles it comes from a
-        /// dense search of rays with a reserve of a tenth for those between, and means rays above
-        /// the base of an exponential or linear one, below which fog is as dense for ever
+        /// |dT| <= `error` along every ray of up to `path` metres above `ground`, whatever its
+        /// slope. Where rays reach fog that is as dense without end (`uniform`; below the base of
+        /// `exponential` and `linear`), that is proved, up to the rounding of floats; else it comes
+        /// from a dense search of rays with a reserve of a tenth for those between
         max_transmittance_error,
         bytes,  ///< the smallest error that fits into `bytes`
     };
     Promise promise = Promise::lossless;
     double error = 0;  ///< above 0
     double path = 0;   ///< metres, above 0
+    /// The lowest height that rays of `max_transmittance_error` reach, metres. Where that is not
+    /// far below the fog's base, errors of pixels even out along rays, and files are smaller
+    double ground = -std::numeric_limits<double>::infinity();
     std::size_t bytes = 0;
     bool best = false;  ///< the smallest file instead of a quick one
     int threads = 0;    ///< 0: as many as the machine has; the bytes are the same for any number
@@ -58,7 +62,7 @@ struct EncodedFog {
 ///
 /// Data errors: the fog does not pass validate(), a side above kMaxWfogSide, no file of so few
 /// bytes exists, not enough memory, cancelled. Usage errors: an error, path or size that is not
-/// above 0.
+/// above 0, a ground that is NaN.
 Result<EncodedFog> encode_wfog(const Fog& fog, const WfogOptions& options,
                                const Grid<float>* map = nullptr);
 
