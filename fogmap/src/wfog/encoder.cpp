@@ -145,19 +145,30 @@ class PixelEncoder {
             if (const Bounds bounds = bounds_by(by); choices.empty() || choices.back() != bounds)
                 choices.push_back(bounds);
         if (choices.size() == 1) return encode_within(choices[0]);
-        const double enough =
-            kThreeDecibels * prequantised_rms(source_.map(), head_.scale, allowed_);
-        // The true errors may be a little less than the estimate.
-        const double hopeful = enough * 1.03;
+        // Rough estimates are off by a few percent; whatever is closer is looked at as a whole.
+        constexpr double kUnsure = 0.04;
+        bool rough = true;
+        double enough =
+            kThreeDecibels * prequantised_rms(source_.map(), head_.scale, allowed_, true);
+        const auto unsure = [&](double rms) { return std::fabs(rms / enough - 1) < kUnsure; };
+        const auto suffices = [&](double rms) {
+            if (rough && unsure(rms)) {
+                rough = false;
+                enough =
+                    kThreeDecibels * prequantised_rms(source_.map(), head_.scale, allowed_, false);
+            }
+            return rms <= enough;
+        };
         size_t choice = 0;
         for (; choice + 1 < choices.size(); ++choice) {
-            const auto rms = estimate_rms(choices[choice]);
-            if (!rms || *rms <= hopeful) break;
+            auto rms = rms_of(choices[choice], true);
+            if (rms && unsure(*rms)) rms = rms_of(choices[choice], false);
+            if (!rms || suffices(*rms)) break;
         }
         Result<Trial> trial;
         for (; choice < choices.size(); ++choice) {
             trial = encode_within(choices[choice]);
-            if (!trial || trial->file.report.rms_error <= enough) break;
+            if (!trial || suffices(trial->file.report.rms_error)) break;
         }
         return trial;
     }
@@ -174,10 +185,10 @@ class PixelEncoder {
         return coding_of(head_, d.width, d.height, head_.stream_levels);
     }
 
-    std::optional<double> estimate_rms(const Bounds& bounds) {
+    std::optional<double> rms_of(const Bounds& bounds, bool roughly) {
         head_.bounds = bounds;
-        const auto square = estimate_squared_error(coding(), options_.threads, options_.stop,
-                                                   tiles_of(source_.map(), head_.scale));
+        const auto square = squared_error_of(coding(), roughly, options_.threads, options_.stop,
+                                             tiles_of(source_.map(), head_.scale));
         if (!square) return {};
         return std::sqrt(*square) * double(head_.scale.density(1));
     }

@@ -325,15 +325,14 @@ PlaneResult decode_plane(const PlaneViews& streams, const PlaneCoding& coding, i
     return damaged ? PlaneResult::damaged : done ? PlaneResult::done : PlaneResult::stopped;
 }
 
-std::optional<double> estimate_squared_error(const PlaneCoding& coding, int threads,
-                                             const std::stop_token& stop,
-                                             const TileSource& source) {
+std::optional<double> squared_error_of(const PlaneCoding& coding, bool roughly, int threads,
+                                       const std::stop_token& stop, const TileSource& source) {
     constexpr int kRows = 32, kEvery = 4 * kRows;
     std::vector<double> sums(coding.tiles()), pixels(coding.tiles());
     std::atomic<bool> too_wide = coding.bounds.finest > kTableRange;
     const bool done =
         for_each_place(coding, threads, stop, [&](size_t t, const Place& place, Scratch& scratch) {
-            const bool all = place.height < 2 * kEvery;
+            const bool all = !roughly || place.height < 2 * kEvery;
             const int rows = all ? place.height : kRows;
             for (int y = 0; y + rows <= place.height && !too_wide; y += all ? rows : kEvery) {
                 scratch.clear();

@@ -62,9 +62,9 @@ PlaneResult encode_plane(const PlaneCoding& coding, bool best, int threads,
 PlaneResult decode_plane(const PlaneViews& streams, const PlaneCoding& coding, int threads,
                          const std::stop_token& stop, const TileSink& sink);
 
-/// An estimate of the mean squared error that encoding would leave, without encoding, from every
-/// fourth strip of 32 rows. Nothing if a tile's range is too wide, or stopped.
-std::optional<double> estimate_squared_error(const PlaneCoding& coding, int threads,
-                                             const std::stop_token& stop, const TileSource& source);
+/// The mean squared error that encoding would leave, without encoding; or, `roughly`, an estimate
+/// from every fourth strip of 32 rows. Nothing if a tile's range is too wide, or stopped.
+std::optional<double> squared_error_of(const PlaneCoding& coding, bool roughly, int threads,
+                                       const std::stop_token& stop, const TileSource& source);
 
 }  // namespace wavefog::wfog

@@ -74,7 +74,7 @@ std::optional<std::int32_t> Scale::integer(float value) const {
         return static_cast<std::int32_t>(at - values.begin());
     }
     const double k = kind == Kind::ratio  ? double(value) * divisor
-                     : kind == Kind::step ? double(value) / step
+                     : kind == Kind::step ? double(value) * (1 / step)
                                           : uncompanded(double(value) / step, growth);
     if (!(std::fabs(k) <= kMostInteger)) return {};
     return static_cast<std::int32_t>(k < 0 ? k - 0.5 : k + 0.5);
@@ -146,7 +146,7 @@ bool Scale::integers(const float* from, std::size_t count, std::int32_t* to) con
         }
         return false;
     };
-    if (kind == Kind::step) return convert([by = step](double value) { return value / by; });
+    if (kind == Kind::step) return convert([by = 1 / step](double value) { return value * by; });
     if (kind == Kind::companded)
         return convert(
             [by = step, more = growth](double value) { return uncompanded(value / by, more); });

@@ -13,7 +13,8 @@ namespace wavefog::wfog {
 bool mostly_foretold(const Grid<float>& map, const Scale& scale, std::int64_t bound, double share);
 
 /// RMS error, in densities, of every integer moved to the nearest of those that are 2 bound + 1
-/// apart, beginning with the least.
-double prequantised_rms(const Grid<float>& map, const Scale& scale, std::int64_t bound);
+/// apart, beginning with the least; `roughly`: of every fourth row of maps that have many.
+double prequantised_rms(const Grid<float>& map, const Scale& scale, std::int64_t bound,
+                        bool roughly);
 
 }  // namespace wavefog::wfog
