@@ -212,8 +212,9 @@ std::vector<std::string> installed_peers() {
     return names;
 }
 
-Result<CodecRun> run_peer(const std::string& peer, const CodecMap& map, double error,
-                          const Prequantised& input, const fs::path& folder) {
+Result<CodecRun> run_peer(const std::string& peer, [[maybe_unused]] const CodecMap& map,
+                          [[maybe_unused]] double error, const Prequantised& input,
+                          const fs::path& folder) {
 #ifdef WAVEFOG_HAS_ZFP
     if (peer == zfp_name) return run_zfp(map, error);
 #endif
