@@ -349,16 +349,17 @@ void add_promises(CLI::App& app, ConvertOptions& options) {
             return parse(text);
         },
         "E",
-        ".wfog: no ray's transmittance is off by more than E (with --path), whatever its slope");
+        ".wfog: no ray of up to --path is off by more than E in transmittance, whatever its slope: "
+        "proved, or found by search with a reserve (see below)");
     add_parsed(
         app, "--path", options.compact.path,
         [](const std::string& text) { return parse_fraction(text); }, "L",
-        "The longest ray of --max-transmittance-error, metres");
+        "The longest ray of --max-transmittance-error, metres; longer ones may be off by more");
     add_parsed(
         app, "--ground", options.compact.ground,
         [](const std::string& text) { return parse_number(text); }, "Y",
-        "The lowest height that those rays reach, metres (any); known, it makes files of fog that "
-        "thins with height smaller");
+        "No such ray goes below this height, metres (they may go anywhere); makes files of fog "
+        "that thins with height smaller");
     add_parsed(
         app, "--bytes", options.compact.bytes,
         [promise](const std::string& text) {
@@ -437,7 +438,10 @@ has the full extinction. Beside OUT.exr, OUT.json describes the layout for engin
 
 OUT.wfog is small instead: it holds the map to a promised error, coarse levels first, and
 every command reads it. Several files go into a directory, as .wfog if a flag of .wfog is
-given, else as .exr; one that fails does not keep the others back.
+given, else as .exr; one that fails does not keep the others back. Where fog is as dense
+without end (uniform, below a base), a promise about rays is proved. Else rays are looked for
+along lines in 64 directions, rows, columns and diagonals among them, with a reserve of a
+tenth; large maps get fewer lines.
 
 Example: banks of fog over 400 x 400 m that thin out with every 8 m of height
   wavefog convert banks.png -o banks.exr --rect -200,-200,200,200 \

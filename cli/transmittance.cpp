@@ -39,12 +39,31 @@ SampledError sampled_transmittance_error(const Fog& a, const Fog& b, double path
         return low + (high - low) * (double(random() >> 11) * 0x1p-53);
     };
     for (std::size_t i = 0; i < error.rays; ++i) {
-        const Eigen::Vector3d o(between(rect.x0, rect.x1), y, between(rect.z0, rect.z1));
-        const double angle = between(0, 2 * std::numbers::pi), up = std::numbers::pi / 2;
-        const double slope = i % 4 == 0 ? 0 : i % 4 == 1 ? up : between(0, up);
+        Eigen::Vector3d o(between(rect.x0, rect.x1), y, between(rect.z0, rect.z1));
+        const double up = std::numbers::pi / 2;
+        double angle = between(0, 2 * std::numbers::pi), slope = between(0, up), length = path;
+        switch (i % 6) {
+            case 0:  // along a row from the map's edge
+                o.x() = rect.x0;
+                angle = slope = 0;
+                break;
+            case 1:  // along a column
+                o.z() = rect.z0;
+                angle = up;
+                slope = 0;
+                break;
+            case 2:
+                slope = 0;
+                break;
+            case 3:
+                slope = up;
+                break;
+            default:
+                length *= std::sqrt(between(0, 1));
+        }
         const Eigen::Vector3d along(std::cos(angle) * std::cos(slope), std::sin(slope),
                                     std::sin(angle) * std::cos(slope));
-        const Eigen::Vector3d p = o + path * std::sqrt(between(0, 1)) * along;
+        const Eigen::Vector3d p = o + length * along;
         const double difference =
             std::exp(-first.optical_depth(o, p)) - std::exp(-second.optical_depth(o, p));
         error.worst = std::max(error.worst, std::fabs(difference));

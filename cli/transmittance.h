@@ -13,8 +13,9 @@ struct SampledError {
 };
 
 /// Compares transmittances along rays from random points (the same ones every time) above or below
-/// the map's rectangle, level ones, straight up and of any slope, of up to `path` metres (0: the
-/// rectangle's diagonal), from where fog is densest above the height `ground` (or -infinity).
+/// the map's rectangle: along rows and columns, level ones, straight up and of any slope, of up to
+/// `path` metres (0: the rectangle's diagonal), from where fog is densest above the height `ground`
+/// (or -infinity).
 SampledError sampled_transmittance_error(const Fog& a, const Fog& b, double path, double ground);
 
 }  // namespace wavefog::cli

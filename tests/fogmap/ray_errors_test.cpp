@@ -66,14 +66,15 @@ std::pair<Eigen::Vector3d, Eigen::Vector3d> random_ray(test::Random& random, dou
 
 /// A fog, and the same with an error in its map.
 struct Pair {
-    Fog fog;
+    Fog fog, both;
     Reference of_map, of_both;
 
     Pair(const Grid<float>& map, const Grid<float>& error, const FogOptions& options,
          double extinction, const Profile& profile)
         : fog(made(map, options, extinction, profile)),
+          both(made(map + error, options, extinction, profile)),
           of_map(fog),
-          of_both(made(map + error, options, extinction, profile)) {}
+          of_both(both) {}
 
     double difference(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const {
         return std::fabs(std::exp(-of_map.optical_depth(from, to)) -
@@ -88,6 +89,16 @@ struct Pair {
             worst = std::max(worst, difference(from, to));
         }
         return worst;
+    }
+
+    /// Cells so many metres long along x.
+    void stretch_x(double cell) {
+        const auto stretched = [&](Fog& of) {
+            of.rect.x1 = of.rect.x0 + cell * of.decomposition.width;
+            return Reference(of);
+        };
+        of_map = stretched(fog);
+        of_both = stretched(both);
     }
 
   private:
@@ -182,8 +193,8 @@ TEST_CASE("ray errors: rays in fog that thins are means of segments, with all th
                         sums.push_back(sums.back() + (i % apart == 0 ? off : 0));
                         densities.push_back(densities.back() + 1);
                     }
-                    wfog::RaySegments segments(samples, depth);
-                    segments.add_line(sums, densities);
+                    wfog::RaySegments segments(samples, 1, depth);
+                    segments.add_line(sums, densities, 1);
                     double truth = 0, tau = 0, change = 0;
                     // Rays from sample 0: how dense they are falls to 1 / e in `mean` samples.
                     for (std::size_t i = 0; i < samples; ++i) {
@@ -203,6 +214,64 @@ TEST_CASE("ray errors: rays in fog that thins are means of segments, with all th
                     // Lengths in classes a fifth wide, each as deep as its shortest.
                     CHECK(found <= truth * 2.5);
                 }
+}
+
+TEST_CASE("ray errors: alike along rows, columns, diagonals or another line, over a whole map") {
+    test::Random random(20261125);
+    constexpr int side = 300;
+    constexpr double path = 280;
+    const Profile slab{.kind = Profile::Kind::slab, .bottom = 0, .top = 1};
+    for (const int kind : {0, 1, 2, 3})
+        for (const double long_cell : {1.0, 3.0}) {
+            std::vector<float> of_line(2 * side);
+            for (float& each : of_line) each = float(random.uniform(-0.01, 0.01));
+            Grid<float> error(side, side);
+            for (int j = 0; j < side; ++j)
+                for (int i = 0; i < side; ++i)
+                    error(j, i) = of_line[size_t(kind == 0   ? j
+                                                 : kind == 1 ? i
+                                                 : kind == 2 ? i + j
+                                                             : i - j + side)];
+            Pair pair(Grid<float>::Constant(side, side, 1.0f), error, {}, 0.001, slab);
+            pair.stretch_x(long_cell);
+            double truth = 0;
+            for (int start = 0; start < side; ++start) {
+                // Along the line in cells, through pixel centres.
+                const double s = start + 0.5, end = side - 0.5;
+                const std::pair<Eigen::Vector3d, Eigen::Vector3d> rays[] = {
+                    {{0.5, 0.5, s}, {end, 0.5, s}},
+                    {{s, 0.5, 0.5}, {s, 0.5, end}},
+                    {{0.5, 0.5, s}, {s, 0.5, 0.5}},
+                    {{0.5, 0.5, s}, {side - s, 0.5, end}}};
+                auto [from, to] = rays[kind];
+                from.x() *= long_cell;
+                to.x() *= long_cell;
+                const double length = (to - from).norm();
+                if (length > path) to = from + (to - from) * (path / length);
+                truth = std::max(truth, pair.difference(from, to));
+            }
+            const double found = wfog::worst_ray_error(
+                pair.fog, Grid<float>::Constant(side, side, 1), error, along(path), 12);
+            CAPTURE(kind);
+            CAPTURE(long_cell);
+            // Floats of the map are rounded.
+            CHECK(found >= truth * (1 - 1e-5));
+            CHECK(found <= truth * 1.5);
+        }
+}
+
+TEST_CASE("ray errors: cells a billion times as long as wide take no memory and no time") {
+    const Grid<float> map = Grid<float>::Constant(64, 64, 0.5f);
+    for (const double long_cell : {1e3, 1e9, 1e15})
+        for (const Boundary boundary : {Boundary::zero, Boundary::repeat})
+            for (const Profile& profile : kProfiles) {
+                Pair pair(map, map * 0.01f, {.boundary = boundary}, 1e-3, profile);
+                pair.stretch_x(long_cell);
+                const double found =
+                    wfog::worst_ray_error(pair.fog, map, map * 0.01f, along(500), 12);
+                CHECK(found > 0);
+                CHECK(found <= 0.01);
+            }
 }
 
 TEST_CASE("ray errors: no fog above the ground, no error") {

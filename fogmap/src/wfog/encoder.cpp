@@ -420,7 +420,7 @@ class RaySearch {
         for (const double more : kTried) {
             auto trial = encoder_.encode(std::exp(low + more), coarseness);
             if (!trial) return tl::unexpected(trial.error());
-            if (trial->file.bytes.size() >= best.file.bytes.size()) break;
+            if (trial->file.bytes.size() >= best.file.bytes.size()) continue;
             if (worst_ray(*trial, kThorough) > options_.error) continue;
             best = std::move(*trial);
             break;

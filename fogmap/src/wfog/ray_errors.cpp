@@ -17,6 +17,8 @@ namespace {
 constexpr double kBetweenLines = 1.1;
 /// Samples of one estimate at most: larger maps get fewer lines.
 constexpr double kMostSamples = 1e7;
+/// Cells of rectangles so long and thin are no fog.
+constexpr double kMostCells = 1e12;
 
 /// The error field at a place in cells, pixel (0, 0) at 0. For degrees above 1 the field is an
 /// average of shifted copies of this one, so that no ray through it is worse.
@@ -88,41 +90,46 @@ double worst_ray_error(const Fog& fog, const Grid<float>& map, const Grid<float>
     if (extinction * layer.thickness == 0) return 0;
     const Decomposition<float>& d = fog.decomposition;
     const Field field(error, d.degree(), d.boundary), densities(map, d.degree(), d.boundary);
+    // Places and directions are in cells, lengths along lines in metres.
     const double cell_x = fog.cell_x(), cell_z = fog.cell_z();
-    const double step = std::min(cell_x, cell_z);
-    const double width = cell_x * d.width, height = cell_z * d.height;
-    const double radius = std::hypot(width, height) / 2 + step;
+    const double least = std::min(cell_x, cell_z), most = std::max(cell_x, cell_z);
+    const double radius = std::hypot(d.width, d.height) / 2 + 2;
+    const double x0 = std::floor(d.width / 2), z0 = std::floor(d.height / 2);
     // Over tiles, a very long ray is several long ones; beside a map there is no fog.
     const bool repeats = d.boundary == Boundary::repeat;
-    const double longest = std::min(path, (repeats ? 8 : 2) * radius);
-    const double end = repeats ? radius + longest : radius;
-    const double per_line = (radius + end) / step;
-    const double lines = 2 * radius / step;
-    const double spacing = step * std::max(1.0, per_line * lines * angles / kMostSamples);
+    const double longest = std::min(path, repeats ? 8 * radius * least : 2 * radius * most);
+    if (!(longest / least < kMostCells)) return pixels.worst_change(extinction * path);
 
-    RaySegments segments(static_cast<std::size_t>(std::ceil(longest / step)), extinction * step);
-    std::vector<RaySegments> by_angle(static_cast<std::size_t>(angles), segments);
+    const RaySegments none(longest, least, extinction);
+    std::vector<RaySegments> by_angle(static_cast<std::size_t>(angles), none);
     for_each_parallel(by_angle.size(), options.threads, options.stop, [&](std::size_t a, Scratch&) {
-        const double angle = std::numbers::pi * (double(a) + 0.25) / angles;
+        const double angle = std::numbers::pi * double(a) / angles;
         const double ux = std::cos(angle), uz = std::sin(angle);
+        const double step = std::hypot(ux * cell_x, uz * cell_z);
+        const double end = repeats ? radius + longest / step : radius;
+        // Rows, columns and diagonals, along which errors may be alike, are all looked at.
+        const bool rows = 4 * a % by_angle.size() == 0;
+        const double samples = (radius + end) * 2 * radius;
+        const double spacing = rows ? 1.0 : std::max(1.0, samples * angles / kMostSamples);
         std::vector<double> sums, depths;
-        for (double across = -radius; across <= radius; across += spacing) {
+        for (double across = -std::floor(radius / spacing) * spacing;
+             across <= radius && !options.stop.stop_requested(); across += spacing) {
             sums.assign(1, 0.0);
             depths.assign(1, 0.0);
             bool inside = false;
-            for (double along = -radius; along <= end; along += step) {
-                const double x = (width / 2 + along * ux - across * uz) / cell_x - 0.5;
-                const double z = (height / 2 + along * uz + across * ux) / cell_z - 0.5;
+            for (double along = -std::floor(radius); along <= end; along += 1) {
+                const double x = x0 + along * ux - across * uz, z = z0 + along * uz + across * ux;
                 const double value = field.at(x, z);
                 inside = inside || value != 0;
-                sums.push_back(sums.back() + value);
-                depths.push_back(depths.back() + std::max(densities.at(x, z), 0.0));
+                sums.push_back(sums.back() + value * step);
+                depths.push_back(depths.back() + std::max(densities.at(x, z), 0.0) * step);
             }
-            if (inside) by_angle[a].add_line(sums, depths);
+            if (inside) by_angle[a].add_line(sums, depths, step);
         }
     });
+    RaySegments segments = none;
     for (const RaySegments& of : by_angle) segments.add(of);
-    if (repeats) segments.extend(path / step);
+    if (repeats) segments.extend(path);
 
     // Every slope between two, by the longer reach of the one and the longer stretch of the other.
     constexpr int kSlopes = 400;
@@ -135,7 +142,7 @@ double worst_ray_error(const Fog& fog, const Grid<float>& map, const Grid<float>
         const double by_pixels = pixels.worst_change(extinction * reach);
         if (by_pixels <= worst) continue;
         const bool cut = fog.profile.kind == Profile::Kind::slab;  // else fog thins
-        const double across = std::cos(slope) / step;
+        const double across = std::cos(slope);
         const double by_segments =
             segments.worst_change((cut ? reach : path) * across, reach * across,
                                   1 / std::max(std::cos(steeper), 1e-12), kBetweenLines);

@@ -9,13 +9,12 @@ namespace wavefog::wfog {
 
 using std::size_t;
 
-/// Lengths 1, 2, 3, 4 ... 10, 12, 14, 16, 19 ... samples, each at most a fifth more than the one
-/// before from 5 on, and last `most`.
-RaySegments::RaySegments(size_t most, double depth_of_sum) : depth_of_sum_(depth_of_sum) {
-    most = std::max<size_t>(most, 1);
+/// Lengths of 1, 2, 3, 4 ... 10, 12, 14, 16, 19 ... times `least`, each at most a fifth more than
+/// the one before from 5 on, and last `most`.
+RaySegments::RaySegments(double most, double least, double extinction) : extinction_(extinction) {
     double shortest = 0;
-    for (size_t n = 1; shortest < double(most); n += std::max<size_t>(n / 5, 1)) {
-        classes_.push_back({.shortest = shortest, .longest = double(std::min(n, most))});
+    for (double n = 1; shortest < most; n += std::max(std::floor(n / 5), 1.0)) {
+        classes_.push_back({.shortest = shortest, .longest = std::min(n * least, most)});
         shortest = classes_.back().longest;
     }
 }
@@ -47,21 +46,27 @@ void rate(const double* sums, const double* high, const double* low, const doubl
 
 }  // namespace
 
-void RaySegments::add_line(const std::vector<double>& sums, const std::vector<double>& density) {
-    const size_t count = sums.size(), last = size_t(classes_.back().longest);
-    const size_t padded = count + 2 * last + 2;
+void RaySegments::add_line(const std::vector<double>& sums, const std::vector<double>& density,
+                           double step) {
+    const size_t count = sums.size();
+    const auto samples = [&](double length) { return std::min(length / step, double(count)); };
+    const auto last = static_cast<size_t>(std::ceil(samples(classes_.back().longest)));
+    const size_t padded = count + 3 * last + 2;
     high_.assign(padded, sums.back());
     std::copy(sums.begin(), sums.end(), high_.begin());
     low_ = high_;
-    depths_.assign(padded, density.back() * depth_of_sum_ / kDepthStep);
-    for (size_t i = 0; i < count; ++i) depths_[i] = density[i] * depth_of_sum_ / kDepthStep;
+    depths_.assign(padded, density.back() * extinction_ / kDepthStep);
+    for (size_t i = 0; i < count; ++i) depths_[i] = density[i] * extinction_ / kDepthStep;
     rise_.resize(count);
     depth_class_.resize(count);
     size_t width = 0;  // extremes of sums[i .. i + width]
     for (Class& of : classes_) {
         // The ends of its segments: two windows of `width` cover them. Extremes come from those of
         // half the width.
-        const size_t shortest = size_t(of.shortest), ends = size_t(of.longest) - shortest;
+        const auto shortest = static_cast<size_t>(samples(of.shortest));
+        if (shortest == count) break;
+        const auto longest = static_cast<size_t>(std::ceil(samples(of.longest)));
+        const size_t ends = std::max(longest - shortest, width);
         for (size_t more; more = std::max<size_t>(width, 1), width + more <= ends;) {
             grow(high_.data(), low_.data(), padded - more, more);
             width += more;
@@ -101,14 +106,15 @@ void RaySegments::extend(double most) {
     for (double pieces = 2; classes_.back().longest < most; pieces *= 2) {
         Class of{.shortest = pieces / 2 * last, .longest = pieces * last};
         for (size_t t = 0; t < kDepths; ++t) {
-            // The mean of the pieces lies below the hull, between two of its depths.
-            const double mean = double(t) / pieces;
-            const auto below = size_t(mean);
-            const bool deepest = t + 1 == kDepths;
-            of.worst[t] =
-                pieces * (deepest                 ? deeper[below]
-                          : double(below) == mean ? worst[below]
-                                                  : std::max(worst[below], worst[below + 1]));
+            // The mean of the pieces lies below the hull, and up to a class below the mean of
+            // their depths, which are rounded down.
+            const auto least = static_cast<size_t>(std::max(double(t) / pieces - 1, 0.0));
+            const auto most_deep =
+                std::min(static_cast<size_t>(double(t) / pieces) + 1, kDepths - 1);
+            of.worst[t] = t + 1 == kDepths
+                              ? deeper[least]
+                              : *std::max_element(&worst[least], &worst[most_deep] + 1);
+            of.worst[t] *= pieces;
         }
         classes_.push_back(of);
     }
@@ -157,10 +163,16 @@ double RaySegments::worst_change(double longest, double mean, double stretch,
         make_concave(worst);
         for (size_t t = 0; t < kDepths; ++t) least[t] = std::min(least[t], worst[t] + price * mean);
     }
+    // Between two depths as well, as far apart as they are on a steep ray.
+    const double parts = std::clamp(std::ceil(stretch), 1.0, 32.0);
     double change = 0;
-    for (size_t t = 0; t < kDepths; ++t)
-        change = std::max(change, std::exp(-stretch * double(t) * kDepthStep) *
-                                      std::expm1(stretch * reserve * depth_of_sum_ * least[t]));
+    for (size_t t = 0; t + 1 < kDepths; ++t)
+        for (double part = 0; part <= parts; ++part) {
+            const double depth = (double(t) + part / parts) * kDepthStep;
+            const double off = std::lerp(least[t], least[t + 1], part / parts);
+            change = std::max(change, std::exp(-stretch * depth) *
+                                          std::expm1(stretch * reserve * extinction_ * off));
+        }
     return change;
 }
 
