@@ -107,15 +107,24 @@ bool promises_rays(const ConvertOptions& options) {
     return options.compact.promise == WfogOptions::Promise::max_transmittance_error;
 }
 
-void warn_about(const ConvertOptions& options, const Fog& fog) {
-    const Profile& profile = fog.profile;
+void warn_about_ground(double ground, const Profile& profile) {
+    const bool known = std::isfinite(ground), uniform = profile.kind == Profile::Kind::uniform;
     const bool endless =
         profile.kind == Profile::Kind::exponential || profile.kind == Profile::Kind::linear;
-    if (promises_rays(options) && endless && !std::isfinite(options.compact.ground))
+    if (!known && endless)
         warn(fmt::format(
             "rays far below the base at {} m count too, where fog does not thin; if none go there, "
             "--ground Y makes the file smaller",
             profile.base));
+    if (known && uniform) warn("--ground makes no difference in uniform fog");
+    const bool slab_above = profile.kind == Profile::Kind::slab && profile.bottom >= ground;
+    if (known && !uniform && !slab_above && profile(ground) == 0)
+        warn(fmt::format(
+            "there is no fog above the ground at {} m, so that any map keeps the promise", ground));
+}
+
+void warn_about(const ConvertOptions& options, const Fog& fog) {
+    if (promises_rays(options)) warn_about_ground(options.compact.ground, fog.profile);
     const Decomposition<float>& d = fog.decomposition;
     if (options.levels && *options.levels > d.levels())
         warn("--" + level_cap_message(*options.levels, d.levels(), d.width, d.height, d.boundary));

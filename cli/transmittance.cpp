@@ -31,9 +31,11 @@ SampledError sampled_transmittance_error(const Fog& a, const Fog& b, double path
     const Rect& rect = a.rect;
     if (path == 0) path = std::hypot(rect.x1 - rect.x0, rect.z1 - rect.z0);
     const double y = lowest_height(a.profile, path, ground);
-    const int side = std::max(a.decomposition.width, a.decomposition.height);
+    const Decomposition<float>& d = a.decomposition;
+    const double cells = d.boundary == Boundary::repeat ? path / std::min(a.cell_x(), a.cell_z())
+                                                        : double(std::max(d.width, d.height));
     SampledError error;
-    error.rays = static_cast<std::size_t>(std::clamp(400000 / side, 64, 1024));
+    error.rays = static_cast<std::size_t>(std::clamp(400000 / cells, 24.0, 1024.0));
     std::mt19937_64 random(1);
     const auto between = [&](double low, double high) {
         return low + (high - low) * (double(random() >> 11) * 0x1p-53);

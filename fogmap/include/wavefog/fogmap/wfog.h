@@ -24,7 +24,8 @@ struct WfogOptions {
         /// |dT| <= `error` along every ray of up to `path` metres above `ground`, whatever its
         /// slope. Where rays reach fog that is as dense without end (`uniform`; below the base of
         /// `exponential` and `linear`), that is proved, up to the rounding of floats; else it comes
-        /// from a dense search of rays with a reserve of a tenth for those between
+        /// from a search of rays in 64 directions, rows, columns and diagonals among them, with a
+        /// reserve of a tenth for those between, which errors alike along one of them can exceed
         max_transmittance_error,
         bytes,  ///< the smallest error that fits into `bytes`
     };
