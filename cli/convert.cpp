@@ -229,6 +229,7 @@ Result<void> write_wfog(const ConvertOptions& options, const Fog& fog, const Gri
     const SampledError sampled = sampled_transmittance_error(
         fog, decoded->fog, options.compact.path, options.compact.ground);
     facts["worst_dT"] = sampled.worst;
+    if (promises_rays(options)) facts["proved_dT"] = report.ray_error;
     facts["sampled_rays"] = sampled.rays;
     facts["wrote"] = Facts::array({options.output.string()});
     return {};
@@ -358,8 +359,8 @@ void add_promises(CLI::App& app, ConvertOptions& options) {
             return parse(text);
         },
         "E",
-        ".wfog: no ray of up to --path is off by more than E in transmittance, whatever its slope: "
-        "proved, or found by search with a reserve (see below)");
+        ".wfog: no ray of up to --path is off by more than E in transmittance, whatever its "
+        "place and direction: proved");
     add_parsed(
         app, "--path", options.compact.path,
         [](const std::string& text) { return parse_fraction(text); }, "L",
@@ -447,10 +448,10 @@ has the full extinction. Beside OUT.exr, OUT.json describes the layout for engin
 
 OUT.wfog is small instead: it holds the map to a promised error, coarse levels first, and
 every command reads it. Several files go into a directory, as .wfog if a flag of .wfog is
-given, else as .exr; one that fails does not keep the others back. Where fog is as dense
-without end (uniform, below a base), a promise about rays is proved. Else rays are looked for
-along lines in 64 directions, rows, columns and diagonals among them, with a reserve of a
-tenth; large maps get fewer lines.
+given, else as .exr; one that fails does not keep the others back. What is promised about
+rays is proved for all of them. Where they reach fog that is as dense without end (uniform,
+below a base), a ray may stay over one pixel, and files are as large as for --max-error; else
+errors even out along them, and files are smaller. The proof takes most of the time.
 
 Example: banks of fog over 400 x 400 m that thin out with every 8 m of height
   wavefog convert banks.png -o banks.exr --rect -200,-200,200,200 \

@@ -89,6 +89,10 @@ TEST_CASE("convert keeps what it promises of a .wfog file and says what it achie
     const json above = convert(grounded);
     CHECK(above["worst_dT"].get<double>() <= 0.01);
     CHECK(above["bytes"] < anywhere["bytes"]);
+    for (const json& facts : {rays, anywhere, above}) {
+        CHECK(facts["worst_dT"] <= facts["proved_dT"]);
+        CHECK(facts["proved_dT"] <= 0.01);
+    }
     // The first of them says how to get the second.
     std::vector<std::string> line = {"convert", "map.png", "-o", "out.wfog"};
     line.insert(line.end(), thinning.begin(), thinning.end());

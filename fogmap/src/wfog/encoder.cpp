@@ -358,12 +358,16 @@ Result<Trial> fit_bytes(PixelEncoder& encoder, double scale, size_t bytes) {
     return best;
 }
 
-/// Looks for the smallest file whose rays keep their promise.
+/// Looks for the smallest file whose rays are proved to keep their promise.
 class RaySearch {
   public:
     RaySearch(PixelEncoder& encoder, const Fog& fog, const Source& source,
               const WfogOptions& options)
-        : encoder_(encoder), fog_(fog), source_(source), options_(options) {}
+        : encoder_(encoder),
+          fog_(fog),
+          source_(source),
+          options_(options),
+          parts_(parts_of(fog, source.map().size(), options.path)) {}
 
     /// What guarantees the same pixel by pixel, E / (extinction * path), is where the search
     /// starts; it ends where no larger error is worth it. Then dense fog, which hides errors, gets
@@ -372,9 +376,12 @@ class RaySearch {
         const double sure = options_.error / std::max(fog_.extinction * options_.path, 1e-300);
         auto best = encoder_.encode(std::min(sure, scale));
         if (!best) return best;
+        best->file.report.ray_error = worst_ray(*best, parts_);
+        const Range all{std::log(sure), std::log(std::max(scale, sure))};
         // White errors add up like the root of the cells: the answer is nearer to the low end.
-        const Range range{std::log(sure), std::log(std::max(scale, sure)), 0.4};
-        auto found = widen(range, 1, *best);
+        const auto rough = roughly(all);
+        if (!rough) return tl::unexpected(rough.error());
+        auto found = widen(all, *rough + kBetterThanRough, 1, *best);
         if (!found) return tl::unexpected(found.error());
         for (double coarseness = kMoreCoarse; coarseness <= kMostCoarse;
              coarseness *= kMoreCoarse) {
@@ -382,7 +389,8 @@ class RaySearch {
             const double saved = std::log(2.0) * encoder_.saving(std::exp(*found), coarseness);
             if (saved < kFine) break;
             const size_t bytes = best->file.bytes.size();
-            const auto other = widen({*found - saved, *found, 0.5}, coarseness, *best);
+            const auto other =
+                widen({*found - saved, *found}, *found - saved / 2, coarseness, *best);
             if (!other) return tl::unexpected(other.error());
             if (best->file.bytes.size() == bytes) break;
         }
@@ -390,61 +398,76 @@ class RaySearch {
     }
 
   private:
-    /// Of the logarithm of an error; its first trial is at this share.
+    /// Of the logarithm of an error.
     struct Range {
-        double low, high, first;
+        double low, high;
     };
     static constexpr double kFine = 0.04;
     static constexpr double kMoreCoarse = 2, kMostCoarse = 64;
-    /// Added to the logarithm of the error that a rough search finds.
-    static constexpr double kTried[] = {0.3, 0.25,  0.2,   0.16,  0.12, 0.09,  0.06, 0.03,
-                                        0,   -0.02, -0.04, -0.07, -0.1, -0.15, -0.2};
+    static constexpr double kBetterThanRough = 0.5;
 
-    /// About the largest error in the range that keeps the promise; `best` gets the smallest file
-    /// that does.
-    Result<double> widen(Range range, double coarseness, Trial& best) {
-        auto [low, high, share] = range;
-        double next = low + (high - low) * share;
-        for (int i = 0; i < 8 && high - low > kFine; ++i) {
-            const auto trial = encoder_.encode(std::exp(next), coarseness);
-            if (!trial) return tl::unexpected(trial.error());
-            const double worst = worst_ray(*trial, kRough);
-            (worst <= options_.error ? low : high) = next;
-            // Rays are off about as much as pixels are, times something.
-            next += std::log(options_.error / worst);
-            const bool foretold = i < 4 && next > low && next < high;
-            next =
-                foretold ? std::clamp(next, low + kFine / 2, high - kFine / 2) : (low + high) / 2;
-        }
-        // What rays add up differs from file to file, so that some larger errors keep it too.
-        for (const double more : kTried) {
-            auto trial = encoder_.encode(std::exp(low + more), coarseness);
-            if (!trial) return tl::unexpected(trial.error());
-            if (trial->file.bytes.size() >= best.file.bytes.size()) continue;
-            if (worst_ray(*trial, kThorough) > options_.error) continue;
-            best = std::move(*trial);
-            break;
-        }
-        return low;
+    /// Of a cell, by which lines are told apart: what bounds long ones misses by more.
+    static int parts_of(const Fog& fog, Eigen::Index pixels, double path) {
+        const double cells = path / std::min(fog.cell_x(), fog.cell_z());
+        if (pixels > 1 << 25) return 1;
+        return pixels > 1 << 20 || cells <= 128 ? 2 : 4;
     }
 
-    static constexpr int kRough[] = {12}, kThorough[] = {4, 12, 64};
-
-    /// The largest |dT| in so many directions; of the first number where that is too large already.
-    double worst_ray(const Trial& trial, std::span<const int> directions) const {
-        const Grid<float> error = trial.map - source_.map();
-        double worst = 0;
-        for (const int angles : directions) {
-            worst = worst_ray_error(fog_, source_.map(), error, options_, angles);
-            if (worst > options_.error) break;
+    /// About the largest error in the range that whole cells prove.
+    Result<double> roughly(Range range) {
+        double next = std::lerp(range.low, range.high, 0.4);
+        for (int i = 0; i < 6 && range.high - range.low > 2 * kFine; ++i) {
+            const auto trial = encoder_.encode(std::exp(next));
+            if (!trial) return tl::unexpected(trial.error());
+            next = narrow(range, next, worst_ray(*trial, 1), i < 4);
         }
-        return worst;
+        return range.low;
+    }
+
+    /// The same by parts of a cell, with coarser steps; `best` gets the smallest file that keeps
+    /// the promise.
+    Result<double> widen(Range range, double next, double coarseness, Trial& best) {
+        next = std::clamp(next, range.low, range.high);
+        for (int i = 0; i < 6 && range.high - range.low > kFine; ++i) {
+            auto trial = encoder_.encode(std::exp(next), coarseness);
+            if (!trial) return tl::unexpected(trial.error());
+            // Larger files need no proof, and other errors may make the same file.
+            const bool smaller = trial->file.bytes.size() < best.file.bytes.size();
+            const double worst = !smaller                               ? options_.error * 0.9
+                                 : trial->file.bytes == refused_.bytes ? refused_.worst
+                                                                       : worst_ray(*trial, parts_);
+            next = narrow(range, next, worst, i < 4);
+            if (worst > options_.error) refused_ = {trial->file.bytes, worst};
+            if (worst > options_.error || !smaller) continue;
+            best = std::move(*trial);
+            best.file.report.ray_error = worst;
+        }
+        return range.low;
+    }
+
+    /// Narrows a range by a trial; the next one.
+    double narrow(Range& range, double tried, double worst, bool foretell) const {
+        (worst <= options_.error ? range.low : range.high) = tried;
+        // Rays are off about as much as pixels are, times something.
+        const double next = tried + std::log(options_.error / worst);
+        if (foretell && next > range.low && next < range.high)
+            return std::clamp(next, range.low + kFine / 2, range.high - kFine / 2);
+        return (range.low + range.high) / 2;
+    }
+
+    double worst_ray(const Trial& trial, int parts) const {
+        return worst_ray_error(fog_, source_.map(), trial.map - source_.map(), options_, parts);
     }
 
     PixelEncoder& encoder_;
     const Fog& fog_;
     const Source& source_;
     const WfogOptions& options_;
+    const int parts_;  ///< of a cell
+    struct {
+        Bytes bytes;
+        double worst = 0;
+    } refused_;  ///< the last file that does not keep the promise
 };
 
 /// Every pixel, as decoded from the file's bytes, keeps the promise.

@@ -5,25 +5,23 @@
 
 namespace wavefog::wfog {
 
-/// An upper estimate of |dT| over all rays of up to path metres, of every slope, that stay above
-/// the height ground, through `fog` when its finest coefficients are `map` +
-/// `error` instead of `map`.
+/// A bound on |dT| over all rays of up to path metres, of every slope, that stay above the height
+/// ground, through `fog` when its finest coefficients are `map` + `error` instead of `map`. It is
+/// looked for as long as it is above options.error; then what is known is returned.
 ///
-/// Where fog is as dense without end, in `uniform` fog and far below the base of `exponential` and
-/// `linear`, a bound: that of PixelErrors, as rays straight up stay over one pixel.
+/// PixelErrors knows one, for rays that stay over one pixel. Where fog is as dense without end, in
+/// `uniform` fog and far below the base of `exponential` and `linear`, some ray straight up does.
 ///
-/// Else horizontal rays are searched: lines in `angles` directions, rows, columns and diagonals
-/// among them, which have a line a cell; of others large maps get fewer (1e7 samples in all). On
-/// each line, all segments of up to so many metres, each with its optical depth tau and its error
-/// dtau: |dT| <= exp(-tau) (exp(|dtau|) - 1). A factor of 1.1 on dtau stands for the rays between
-/// the lines; errors that are alike along one of them alone can be more. From them the rest
-/// follows: h falls or rises along a ray, so its weighted integrals are means of those over
-/// segments from one end (second mean value theorem), for tau, dtau and length alike, and the
-/// length's mean is the integral of h; and a ray that climbs at an angle is a horizontal one,
-/// stretched by 1 / cos. Of steep rays PixelErrors says more.
+/// Else errors even out along rays: for any price of a metre and of a unit of density, the integral
+/// of +-error - price - price_of_density * map is bounded on all segments of lines through the map
+/// (most_along_lines, which tells `parts` of a cell apart). As h falls or rises along a ray, what
+/// it weights is a mean of segments from one end (second mean value theorem). Added up, the ray's
+/// error is at most that bound, the price of the length that h adds up to, and that of its optical
+/// depth tau; and |dT| <= exp(-tau) (exp(|dtau|) - 1), of all tau the largest. A ray that climbs at
+/// an angle is a level one, stretched by 1 / cos. Prices are chosen for the rays that are worst.
 ///
-/// path and ground, threads and stop are those of `options`; less than the estimate if stopped.
+/// path, ground and error, threads and stop are those of `options`; less than a bound if stopped.
 double worst_ray_error(const Fog& fog, const Grid<float>& map, const Grid<float>& error,
-                       const WfogOptions& options, int angles);
+                       const WfogOptions& options, int parts);
 
 }  // namespace wavefog::wfog

@@ -22,10 +22,7 @@ struct WfogOptions {
         lossless,   ///< every coefficient comes back bit for bit
         max_error,  ///< every pixel within `error` times the full scale, plus a float's rounding
         /// |dT| <= `error` along every ray of up to `path` metres above `ground`, whatever its
-        /// slope. Where rays reach fog that is as dense without end (`uniform`; below the base of
-        /// `exponential` and `linear`), that is proved, up to the rounding of floats; else it comes
-        /// from a search of rays in 64 directions, rows, columns and diagonals among them, with a
-        /// reserve of a tenth for those between, which errors alike along one of them can exceed
+        /// place and direction: proved, up to the rounding of floats
         max_transmittance_error,
         bytes,  ///< the smallest error that fits into `bytes`
     };
@@ -50,6 +47,7 @@ struct WfogReport {
                             ///< to the 99.9th percentile (16-bit: the whole range)
     double max_error = 0;   ///< in densities
     double rms_error = 0;   ///< in densities
+    double ray_error = 0;   ///< of a promise about rays: what |dT| is proved not to exceed
 };
 
 struct EncodedFog {
