@@ -410,7 +410,7 @@ class RaySearch {
     static int parts_of(const Fog& fog, Eigen::Index pixels, double path) {
         const double cells = path / std::min(fog.cell_x(), fog.cell_z());
         if (pixels > 1 << 25) return 1;
-        return pixels > 1 << 20 || cells <= 128 ? 2 : 4;
+        return pixels >= 1 << 20 || cells <= 128 ? 2 : 4;
     }
 
     /// About the largest error in the range that whole cells prove.

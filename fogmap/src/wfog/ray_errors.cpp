@@ -97,8 +97,7 @@ double worst_ray_error(const Fog& fog, const Grid<float>& map, const Grid<float>
     for (Slopes* worst = &all.front();;) {
         if (worst->worst <= options.error)
             worst = &*std::ranges::max_element(all, {}, &Slopes::worst);
-        if (worst->worst <= options.error || worst->tries == std::size(kPricesOfDepth) ||
-            options.stop.stop_requested())
+        if (worst->worst <= options.error || worst->tries == std::size(kPricesOfDepth))
             return worst->worst;
         // Half of the error pays for the length, so that the other half is left for the segments.
         const double of_depth = std::min(options.error * kPricesOfDepth[worst->tries++], 0.9);
@@ -117,6 +116,7 @@ double worst_ray_error(const Fog& fog, const Grid<float>& map, const Grid<float>
         };
         const LineField fields[] = {field_of(more), field_of(less)};
         const double most = most_along_lines(fields, longest, parts, options.threads, options.stop);
+        if (options.stop.stop_requested()) return std::numeric_limits<double>::infinity();
         for (Slopes& slopes : all) {
             if (slopes.longest > longest) continue;
             const double of_slopes = slopes.stretch * extinction * (most + price * slopes.mean);

@@ -20,7 +20,7 @@ namespace wavefog::wfog {
 /// depth tau; and |dT| <= exp(-tau) (exp(|dtau|) - 1), of all tau the largest. A ray that climbs at
 /// an angle is a level one, stretched by 1 / cos. Prices are chosen for the rays that are worst.
 ///
-/// path, ground and error, threads and stop are those of `options`; less than a bound if stopped.
+/// path, ground and error, threads and stop are those of `options`; infinity if stopped.
 double worst_ray_error(const Fog& fog, const Grid<float>& map, const Grid<float>& error,
                        const WfogOptions& options, int parts);
 
