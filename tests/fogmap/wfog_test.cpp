@@ -12,6 +12,7 @@
 #include "support/random.h"
 #include "wavefog/fogmap/reference.h"
 #include "wavefog/fogmap/wfog.h"
+#include "wfog/bands.h"
 #include "wfog/format.h"
 
 namespace wavefog {
@@ -224,6 +225,22 @@ TEST_CASE("wfog: coefficients that no map gives come back bit for bit") {
             CHECK(same_bits(b.details[l].psi_psi.values, d.details[l].psi_psi.values));
             CHECK(same_bits(b.details[l].residual.values, d.details[l].residual.values));
         }
+    }
+}
+
+TEST_CASE("wfog: coefficients of half precision take fewer than their 16 bits") {
+    for (const Form form : {Form::wavelet, Form::scaling}) {
+        Fog fog = fog_of(make_map(Kind::smooth, 256, 200, 7), {1, "", form, 4});
+        double bits = 0;
+        for (auto& level : wfog::bands_of(fog.decomposition))
+            for (Band<float>* band : level) {
+                bits += 16 * double(band->values.size());
+                for (float& value : band->values.reshaped())
+                    value = std::bit_cast<float>(std::bit_cast<std::uint32_t>(value) & ~0x1fffu);
+            }
+        const EncodedFog file = encoded(fog, {});
+        CHECK(8 * double(file.bytes.size()) < 0.9 * bits);
+        CHECK(wfog::same_coefficients(decoded(file.bytes).fog.decomposition, fog.decomposition));
     }
 }
 

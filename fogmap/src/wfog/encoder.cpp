@@ -29,6 +29,9 @@ using std::size_t;
 /// below the bound.
 constexpr int64_t kStepsOfBound = 15;
 
+/// A density that occurs so often is worth its entry in a table.
+constexpr size_t kUsesOfTable = 8;
+
 tl::unexpected<Error> broken_promise() {
     return data_error("the encoded bytes do not keep the promise; this is a bug, please report it");
 }
@@ -262,7 +265,7 @@ class PixelEncoder {
         const double step = usable / (double(kStepsOfBound) + 0.5);
         // Steps near the denormal floats would have too few digits.
         if (usable < 0x1p-100 || most / step > double(1 << 29)) {
-            head_.scale = exact_scale(source_.map());
+            head_.scale = exact_scale(source_.map(), kUsesOfTable);
             return;
         }
         if (coarseness > 1)
@@ -287,13 +290,22 @@ class PixelEncoder {
     bool smooth_ = false;  ///< most pixels follow from their neighbours
 };
 
-/// A file of the coefficients themselves: for fogs that no map of floats gives bit for bit.
-Result<EncodedFog> encode_coefficients(const Fog& fog, const WfogOptions& options) {
+/// All coefficients, one after another.
+Grid<float> coefficients_of(const Decomposition<float>& d) {
+    std::vector<float> all;
+    for (const auto& level : bands_of(d))
+        for (const Band<float>* band : level)
+            all.insert(all.end(), band->values.data(), band->values.data() + band->values.size());
+    return Eigen::Map<const Grid<float>>(all.data(), 1, static_cast<Eigen::Index>(all.size()));
+}
+
+Result<EncodedFog> encode_coefficients(const Fog& fog, const Scale& scale,
+                                       const WfogOptions& options) {
+    const Decomposition<float>& d = fog.decomposition;
     Head head = head_of(fog);
     head.content = Content::coefficients;
-    head.scale.kind = Scale::Kind::float_bits;
+    head.scale = scale;
     std::vector<Bytes> chunks;
-    Decomposition<float> d = fog.decomposition;
     for (const auto& level : bands_of(d)) {
         Writer chunk;
         for (const Band<float>* band : level) {
@@ -315,6 +327,17 @@ Result<EncodedFog> encode_coefficients(const Fog& fog, const WfogOptions& option
     EncodedFog encoded;
     encoded.bytes = write_chunks(head, chunks);
     return encoded;
+}
+
+/// A file of the coefficients themselves: for fogs that no map of floats gives bit for bit.
+Result<EncodedFog> encode_coefficients(const Fog& fog, const WfogOptions& options) {
+    const Grid<float> all = coefficients_of(fog.decomposition);
+    const Scale ranks = exact_scale(all, 1), bits = exact_scale(all, kUsesOfTable);
+    auto encoded = encode_coefficients(fog, bits, options);
+    if (!encoded || ranks.kind == bits.kind) return encoded;
+    auto by_ranks = encode_coefficients(fog, ranks, options);
+    const bool smaller = !by_ranks || by_ranks->bytes.size() < encoded->bytes.size();
+    return smaller ? std::move(by_ranks) : std::move(encoded);
 }
 
 Result<void> check_options(const WfogOptions& options) {
@@ -433,7 +456,7 @@ class RaySearch {
             if (!trial) return tl::unexpected(trial.error());
             // Larger files need no proof, and other errors may make the same file.
             const bool smaller = trial->file.bytes.size() < best.file.bytes.size();
-            const double worst = !smaller                               ? options_.error * 0.9
+            const double worst = !smaller                              ? options_.error * 0.9
                                  : trial->file.bytes == refused_.bytes ? refused_.worst
                                                                        : worst_ray(*trial, parts_);
             next = narrow(range, next, worst, i < 4);
@@ -495,7 +518,11 @@ Result<EncodedFog> encode_pixels(const Fog& fog, const Source& source, double sc
             trial = encoder.encode_well(allowed);
             break;
         case Promise::bytes:
-            trial = fit_bytes(encoder, std::max(scale, 1e-30), options.bytes);
+            // An error of all of the map's range leaves nothing to tell apart.
+            trial = fit_bytes(
+                encoder,
+                std::max(double(source.map().maxCoeff()) - double(source.map().minCoeff()), 1e-30),
+                options.bytes);
             break;
         case Promise::max_transmittance_error:
             trial = RaySearch(encoder, fog, source, options).run(std::max(scale, 1e-30));

@@ -251,7 +251,7 @@ double mean_coarseness(const Scale& companded, const Grid<float>& map) {
     return map.size() > 0 ? sum / static_cast<double>(map.size()) : 0;
 }
 
-Scale exact_scale(const Grid<float>& map) {
+Scale exact_scale(const Grid<float>& map, std::size_t uses) {
     std::vector<std::int32_t> bits(static_cast<std::size_t>(map.size()));
     std::transform(map.data(), map.data() + map.size(), bits.begin(),
                    [](float value) { return ordered_bits(value); });
@@ -262,7 +262,7 @@ Scale exact_scale(const Grid<float>& map) {
     const std::size_t pixels = bits.size();
     bits.erase(std::unique(bits.begin(), bits.end()), bits.end());
     Scale scale{.kind = Scale::Kind::float_bits};
-    if (bits.size() <= kMaxTable && bits.size() * 8 <= pixels) {
+    if (bits.size() <= kMaxTable && bits.size() * uses <= pixels) {
         scale.kind = Scale::Kind::table;
         for (const std::int32_t each : bits)
             scale.values.push_back(each < 0 ? -std::bit_cast<float>(~each)

@@ -48,9 +48,9 @@ Scale companded_scale(double step, double coarseness, double most);
 /// 0: what they save, in bits a pixel.
 double mean_coarseness(const Scale& companded, const Grid<float>& map);
 
-/// A scale for any floats, bit for bit: a table if they are few, else their bits without those that
-/// are 0 in all.
-Scale exact_scale(const Grid<float>& map);
+/// A scale for any floats, bit for bit: a table if a value occurs `uses` times on the mean and all
+/// fit into one, else their bits without those that are 0 in all.
+Scale exact_scale(const Grid<float>& map, std::size_t uses);
 
 /// The scale of which every density is a value up to `slack` times the largest one: a ratio of 255,
 /// 65535, a power of ten or of two, or a divisor of one. A map that a transform has been through
