@@ -402,9 +402,9 @@ class RaySearch {
         best->file.report.ray_error = worst_ray(*best, parts_);
         const Range all{std::log(sure), std::log(std::max(scale, sure))};
         // White errors add up like the root of the cells: the answer is nearer to the low end.
-        const auto rough = roughly(all);
+        const auto rough = widen(all, std::lerp(all.low, all.high, 0.4), 1, 1, kRough, *best);
         if (!rough) return tl::unexpected(rough.error());
-        auto found = widen(all, *rough + kBetterThanRough, 1, *best);
+        auto found = widen({*rough, all.high}, *rough + kRough, 1, parts_, kFine, *best);
         if (!found) return tl::unexpected(found.error());
         for (double coarseness = kMoreCoarse; coarseness <= kMostCoarse;
              coarseness *= kMoreCoarse) {
@@ -412,8 +412,8 @@ class RaySearch {
             const double saved = std::log(2.0) * encoder_.saving(std::exp(*found), coarseness);
             if (saved < kFine) break;
             const size_t bytes = best->file.bytes.size();
-            const auto other =
-                widen({*found - saved, *found}, *found - saved / 2, coarseness, *best);
+            const auto other = widen({*found - saved, *found + kRough}, *found - saved / 2,
+                                     coarseness, parts_, kFine, *best);
             if (!other) return tl::unexpected(other.error());
             if (best->file.bytes.size() == bytes) break;
         }
@@ -425,9 +425,8 @@ class RaySearch {
     struct Range {
         double low, high;
     };
-    static constexpr double kFine = 0.04;
+    static constexpr double kRough = 0.25, kFine = 0.04;
     static constexpr double kMoreCoarse = 2, kMostCoarse = 64;
-    static constexpr double kBetterThanRough = 0.5;
 
     /// Of a cell, by which lines are told apart: what bounds long ones misses by more.
     static int parts_of(const Fog& fog, Eigen::Index pixels, double path) {
@@ -436,31 +435,20 @@ class RaySearch {
         return pixels >= 1 << 20 || cells <= 128 ? 2 : 4;
     }
 
-    /// About the largest error in the range that whole cells prove.
-    Result<double> roughly(Range range) {
-        double next = std::lerp(range.low, range.high, 0.4);
-        for (int i = 0; i < 6 && range.high - range.low > 2 * kFine; ++i) {
-            const auto trial = encoder_.encode(std::exp(next));
-            if (!trial) return tl::unexpected(trial.error());
-            next = narrow(range, next, worst_ray(*trial, 1), i < 4);
-        }
-        return range.low;
-    }
-
-    /// The same by parts of a cell, with coarser steps; `best` gets the smallest file that keeps
-    /// the promise.
-    Result<double> widen(Range range, double next, double coarseness, Trial& best) {
+    /// The largest error in the range that is proved by so many parts of a cell, about; `best` gets
+    /// the smallest file that keeps the promise.
+    Result<double> widen(Range range, double next, double coarseness, int parts, double width,
+                         Trial& best) {
         next = std::clamp(next, range.low, range.high);
-        for (int i = 0; i < 6 && range.high - range.low > kFine; ++i) {
+        for (int i = 0; i < 8 && range.high - range.low > width; ++i) {
             auto trial = encoder_.encode(std::exp(next), coarseness);
             if (!trial) return tl::unexpected(trial.error());
             // Larger files need no proof, and other errors may make the same file.
             const bool smaller = trial->file.bytes.size() < best.file.bytes.size();
-            const double worst = !smaller                              ? options_.error * 0.9
-                                 : trial->file.bytes == refused_.bytes ? refused_.worst
-                                                                       : worst_ray(*trial, parts_);
-            next = narrow(range, next, worst, i < 4);
-            if (worst > options_.error) refused_ = {trial->file.bytes, worst};
+            const bool refused = trial->file.bytes == refused_.bytes && parts <= refused_.parts;
+            const double worst = !smaller ? 0 : refused ? refused_.worst : worst_ray(*trial, parts);
+            next = narrow(range, next, worst);
+            if (worst > options_.error) refused_ = {trial->file.bytes, worst, parts};
             if (worst > options_.error || !smaller) continue;
             best = std::move(*trial);
             best.file.report.ray_error = worst;
@@ -469,13 +457,14 @@ class RaySearch {
     }
 
     /// Narrows a range by a trial; the next one.
-    double narrow(Range& range, double tried, double worst, bool foretell) const {
-        (worst <= options_.error ? range.low : range.high) = tried;
-        // Rays are off about as much as pixels are, times something.
-        const double next = tried + std::log(options_.error / worst);
-        if (foretell && next > range.low && next < range.high)
-            return std::clamp(next, range.low + kFine / 2, range.high - kFine / 2);
-        return (range.low + range.high) / 2;
+    double narrow(Range& range, double tried, double worst) const {
+        const bool kept = worst <= options_.error;
+        (kept ? range.low : range.high) = tried;
+        const double middle = (range.low + range.high) / 2;
+        if (kept) return std::min(middle, range.low + 2 * kRough);
+        // Rays are off by more than in proportion to pixels.
+        const double less = tried + std::log(options_.error / worst);
+        return std::clamp(less, middle, std::max(middle, range.high - kFine / 2));
     }
 
     double worst_ray(const Trial& trial, int parts) const {
@@ -490,6 +479,7 @@ class RaySearch {
     struct {
         Bytes bytes;
         double worst = 0;
+        int parts = 0;
     } refused_;  ///< the last file that does not keep the promise
 };
 

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "line_sums.h"
@@ -15,9 +16,16 @@ namespace wavefog::wfog {
 
 namespace {
 
-/// Of a unit of optical depth, times the promised error, tried one after another. Up to 1, depth
-/// hides nothing; above e, it would have to hide all.
-constexpr double kPricesOfDepth[] = {1.3, 2.2};
+/// What to try, one after another: prices of a unit of optical depth, as a multiple of the promised
+/// error (up to 1, depth hides nothing; above e, it would have to hide all), and of all of the
+/// length, as a share of what that leaves. Low ones of length are better for level rays, high ones
+/// for steep rays, high ones of depth in dense fog; the others are within a fifth of the best.
+struct Prices {
+    double of_depth, of_length;
+};
+constexpr Prices kPrices[] = {{1.1, 0.25}, {1.2, 0.08}, {1, 0.45}, {2, 0.3}};
+constexpr double kOtherPricesGain = 1.2;
+constexpr int kMostTries = 8;  // two or three do, but for files that just keep their promise
 
 /// The fog that rays meet: h where they are lowest, and its integral upwards from there as a
 /// multiple of that, metres.
@@ -41,12 +49,18 @@ Layer layer_above(const Profile& profile, double ground) {
     return {};
 }
 
+/// |dtau| <= off + price * tau, 0 < price < 1.
+struct Line {
+    double off, price;
+};
+
 /// Rays whose slopes lie between two. Level, they are up to `longest` metres long, on which h adds
 /// up to at most `mean`; along themselves all is up to `stretch` times as much.
 struct Slopes {
     double longest, mean, stretch;
     double worst;  ///< bound on |dT|
     std::size_t tries = 0;
+    std::vector<Line> lines = {};
 };
 
 std::vector<Slopes> all_slopes(const Fog& fog, const Layer& layer, const PixelErrors& pixels,
@@ -69,13 +83,25 @@ std::vector<Slopes> all_slopes(const Fog& fog, const Layer& layer, const PixelEr
     return all;
 }
 
-/// The largest exp(-tau) (exp(|dtau|) - 1) where |dtau| <= off + price * tau, 0 < price < 1.
-double worst_at_any_depth(double off, double price) {
-    const double depth = std::max(-(off + std::log1p(-price)) / price, 0.0);
-    return std::exp(-depth) * std::expm1(off + price * depth);
+/// The largest exp(-tau) (exp(|dtau|) - 1) below all the lines.
+double worst_at_any_depth(std::span<const Line> lines) {
+    double worst = 0;
+    const auto look_at = [&](double depth) {
+        depth = std::max(depth, 0.0);
+        double change = std::numeric_limits<double>::infinity();
+        for (const Line& line : lines) change = std::min(change, line.off + line.price * depth);
+        worst = std::max(worst, std::exp(-depth) * std::expm1(change));
+    };
+    look_at(0);
+    for (const Line& a : lines) {
+        look_at(-(a.off + std::log1p(-a.price)) / a.price);  // where it is the largest
+        for (const Line& b : lines)
+            if (b.price > a.price) look_at((a.off - b.off) / (b.price - a.price));
+    }
+    return worst;
 }
 
-/// The largest `off` for which worst_at_any_depth is at most `worst`.
+/// The largest `off` of a line for which worst_at_any_depth is at most `worst`.
 double off_at(double worst, double price) {
     const double depth = std::log(price / (1 - price) / worst);  // where it is the largest
     return depth > 0 ? -std::log1p(-price) - price * depth : std::log1p(worst);
@@ -94,16 +120,22 @@ double worst_ray_error(const Fog& fog, const Grid<float>& map, const Grid<float>
     if (extinction * layer.thickness == 0) return 0;
     std::vector<Slopes> all = all_slopes(fog, layer, pixels, path);
     const Decomposition<float>& d = fog.decomposition;
+    int tries = 0;
     for (Slopes* worst = &all.front();;) {
         if (worst->worst <= options.error)
             worst = &*std::ranges::max_element(all, {}, &Slopes::worst);
-        if (worst->worst <= options.error || worst->tries == std::size(kPricesOfDepth))
+        if (worst->worst <= options.error || worst->tries == std::size(kPrices) ||
+            (worst->tries > 0 && worst->worst > options.error * kOtherPricesGain) ||
+            ++tries > kMostTries)
             return worst->worst;
-        // Half of the error pays for the length, so that the other half is left for the segments.
-        const double of_depth = std::min(options.error * kPricesOfDepth[worst->tries++], 0.9);
-        const double price = off_at(options.error, of_depth) / 2 /
+        const Prices tried = kPrices[worst->tries++];
+        const double of_depth = std::min(options.error * tried.of_depth, 0.9);
+        const double price = off_at(options.error, of_depth) * tried.of_length /
                              (extinction * worst->stretch * worst->mean);
-        const double longest = worst->longest;
+        // Of all rays that are not proved yet: their neighbours need no tries of their own.
+        const double longest = std::ranges::find_if(all, [&](const Slopes& slopes) {
+                                   return slopes.worst > options.error;
+                               })->longest;
         const Grid<float> prices = float(price) + float(of_depth) * map;
         const Grid<float> more = error - prices, less = -error - prices;
         const auto field_of = [&](const Grid<float>& pixels) {
@@ -119,8 +151,9 @@ double worst_ray_error(const Fog& fog, const Grid<float>& map, const Grid<float>
         if (options.stop.stop_requested()) return std::numeric_limits<double>::infinity();
         for (Slopes& slopes : all) {
             if (slopes.longest > longest) continue;
-            const double of_slopes = slopes.stretch * extinction * (most + price * slopes.mean);
-            slopes.worst = std::min(slopes.worst, worst_at_any_depth(of_slopes, of_depth));
+            const double off = slopes.stretch * extinction * (most + price * slopes.mean);
+            slopes.lines.push_back({off, of_depth});
+            slopes.worst = std::min(slopes.worst, worst_at_any_depth(slopes.lines));
         }
     }
 }
