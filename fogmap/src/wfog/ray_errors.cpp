@@ -18,14 +18,15 @@ namespace {
 
 /// What to try, one after another: prices of a unit of optical depth, as a multiple of the promised
 /// error (up to 1, depth hides nothing; above e, it would have to hide all), and of all of the
-/// length, as a share of what that leaves. Low ones of length are better for level rays, high ones
-/// for steep rays, high ones of depth in dense fog; the others are within a fifth of the best.
+/// length, as a share of what that leaves. Which is best differs: low prices of length where errors
+/// even out, high ones for steep rays and where errors are alike, high ones of depth in dense fog.
+/// The first is within a third of the best.
 struct Prices {
     double of_depth, of_length;
 };
-constexpr Prices kPrices[] = {{1.1, 0.25}, {1.2, 0.08}, {1, 0.45}, {2, 0.3}};
-constexpr double kOtherPricesGain = 1.2;
-constexpr int kMostTries = 8;  // two or three do, but for files that just keep their promise
+constexpr Prices kPrices[] = {{1.1, 0.3}, {1, 0.55}, {1.2, 0.1}, {1, 0.8}, {2, 0.3}};
+constexpr double kOtherPricesGain = 1.3;
+constexpr int kMostTries = 10;  // two or three do, but for files that just keep their promise
 
 /// The fog that rays meet: h where they are lowest, and its integral upwards from there as a
 /// multiple of that, metres.
