@@ -400,11 +400,12 @@ class RaySearch {
         auto best = encoder_.encode(std::min(sure, scale));
         if (!best) return best;
         best->file.report.ray_error = worst_ray(*best, parts_);
-        const Range all{std::log(sure), std::log(std::max(scale, sure))};
+        const Range all{.low = std::log(sure), .high = std::log(std::max(scale, sure))};
         // White errors add up like the root of the cells: the answer is nearer to the low end.
         const auto rough = widen(all, std::lerp(all.low, all.high, 0.4), 1, 1, kRough, *best);
         if (!rough) return tl::unexpected(rough.error());
-        auto found = widen({*rough, all.high}, *rough + kRough, 1, parts_, kFine, *best);
+        auto found =
+            widen({.low = *rough, .high = all.high}, *rough + kRough, 1, parts_, kFine, *best);
         if (!found) return tl::unexpected(found.error());
         for (double coarseness = kMoreCoarse; coarseness <= kMostCoarse;
              coarseness *= kMoreCoarse) {
@@ -412,8 +413,8 @@ class RaySearch {
             const double saved = std::log(2.0) * encoder_.saving(std::exp(*found), coarseness);
             if (saved < kFine) break;
             const size_t bytes = best->file.bytes.size();
-            const auto other = widen({*found - saved, *found + kRough}, *found - saved / 2,
-                                     coarseness, parts_, kFine, *best);
+            const auto other = widen({.low = *found - saved, .high = *found + kRough},
+                                     *found - saved / 2, coarseness, parts_, kFine, *best);
             if (!other) return tl::unexpected(other.error());
             if (best->file.bytes.size() == bytes) break;
         }
@@ -424,6 +425,7 @@ class RaySearch {
     /// Of the logarithm of an error.
     struct Range {
         double low, high;
+        bool refused = false;  ///< so large an error was
     };
     static constexpr double kRough = 0.25, kFine = 0.04;
     static constexpr double kMoreCoarse = 2, kMostCoarse = 64;
@@ -460,8 +462,9 @@ class RaySearch {
     double narrow(Range& range, double tried, double worst) const {
         const bool kept = worst <= options_.error;
         (kept ? range.low : range.high) = tried;
+        range.refused |= !kept;
         const double middle = (range.low + range.high) / 2;
-        if (kept) return std::min(middle, range.low + 2 * kRough);
+        if (kept) return range.refused ? middle : std::min(middle, range.low + 2 * kRough);
         // Rays are off by more than in proportion to pixels.
         const double less = tried + std::log(options_.error / worst);
         return std::clamp(less, middle, std::max(middle, range.high - kFine / 2));

@@ -52,7 +52,9 @@ struct Strip {
     std::unique_ptr<float[]> total, left, right;
 };
 
-float larger(float a, float b) { return a > b ? a : b; }
+float larger(float a, float b) {
+    return a > b ? a : b;
+}
 
 /// The sums of a strip from one of its lines on.
 struct Sums {
@@ -154,7 +156,8 @@ class Climbing {
             }
             before = std::move(strip);
         }
-        // Sums of floats are off by half a last bit for each addition, of which none is behind more.
+        // Sums of floats are off by half a last bit for each addition, of which none is behind
+        // more.
         const double most_value = std::max(double(columns_.abs().maxCoeff()), -double(outside_));
         const double additions = 2 * kLeaf + 8 + 2 * std::log2(double(width));
         const double rounding =
@@ -295,7 +298,7 @@ class Climbing {
     const double cell_, climb_;
     const size_t parts_, rows_;
     const size_t row_ = rows_ + kLeaf * parts_ + kLanes;  ///< of samples
-    std::map<size_t, std::vector<Strip>> spare_;  ///< by width
+    std::map<size_t, std::vector<Strip>> spare_;          ///< by width
     std::vector<float> rise_, down_, samples_;
     double best_ = 0;
 };
