@@ -65,15 +65,16 @@ Result<void> decode(const DecodeOptions& options) {
         if (auto ok = write_image(options.output, picture_of(band.values)); !ok) return ok;
     }
     const double cell = double(1 << (d.levels() - level));
-    print_facts({{"wrote", options.output.string()},
-                 {"level", level},
-                 {"size", {band.width(), band.height()}},
-                 {"start", {band.start_x, band.start_z}},
-                 {"cell", {cell * fog->cell_x(), cell * fog->cell_z()}},
-                 {"min", band.values.minCoeff()},
-                 {"max", band.values.maxCoeff()},
-                 {"bytes", file_bytes(options.output)}},
-                options.json);
+    Facts facts = {{"wrote", options.output.string()},
+                   {"level", level},
+                   {"size", {band.width(), band.height()}},
+                   {"start", {band.start_x, band.start_z}},
+                   {"cell", {cell * fog->cell_x(), cell * fog->cell_z()}},
+                   {"min", band.values.minCoeff()},
+                   {"max", band.values.maxCoeff()},
+                   {"bytes", file_bytes(options.output)}};
+    facts.update(stream_facts(notes));
+    print_facts(facts, options.json);
     return {};
 }
 

@@ -84,6 +84,7 @@ Result<Facts> describe_fog(const fs::path& file) {
     for (const fs::path& part : fog_files(file)) bytes += file_bytes(part);
     Facts facts = {{"file", file.string()}, {"kind", "fog"}, {"bytes", bytes}};
     facts.update(fog_facts(*fog));
+    facts.update(stream_facts(notes));
     const Facts rows = level_rows(fog->decomposition);
     std::int64_t count = 0;
     for (const Facts& row : rows) count += row.at("coefficients").get<std::int64_t>();
@@ -142,6 +143,8 @@ coefficients it has and their least and greatest value, the share of the energy 
 L2 norm) that it adds, and the size and bounds of the approximation that it completes.
 Levels with little energy can be left out far away at little cost; an approximation whose
 least value is below 0 shows negative fog unless clamped (--family positive has none).
+Of a .wfog also how many of its stream levels are there (a download may end early) and, of a
+whole one, the largest error of a pixel that its encoder measured.
 Of a picture: its format, size, bounds, and how many pixels could not be fog.
 
 Example:

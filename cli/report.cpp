@@ -93,4 +93,11 @@ Facts fog_facts(const Fog& fog) {
             {"profile", profile_text(fog.profile)}};
 }
 
+Facts stream_facts(const LoadNotes& notes) {
+    if (notes.of_levels == 0) return Facts::object();
+    Facts facts = {{"stream_levels", notes.stream_levels}, {"of_stream_levels", notes.of_levels}};
+    if (notes.stream_levels == notes.of_levels) facts["max_error"] = notes.max_error;
+    return facts;
+}
+
 }  // namespace wavefog::cli

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "wavefog/fogmap/fog.h"
+#include "wavefog/fogmap/fog_file.h"
 
 namespace wavefog::cli {
 
@@ -21,5 +21,9 @@ void warn(const std::string& message);
 
 /// Basis, family, levels, rectangle, extinction and profile of a fog, in the words of the flags.
 Facts fog_facts(const Fog& fog);
+
+/// Of a .wfog: how many of its levels are there and, of a whole one, the error that it states, in
+/// densities. Of other files nothing.
+Facts stream_facts(const LoadNotes& notes);
 
 }  // namespace wavefog::cli

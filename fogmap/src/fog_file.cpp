@@ -347,6 +347,9 @@ Result<Fog> load_wfog(const fs::path& file, LoadNotes* notes) {
                 fmt::format("{}: ends early; it is shown with the {} coarsest of {} levels",
                             file.string(), decoded->levels, decoded->of_levels);
         notes->map = std::move(decoded->map);
+        notes->stream_levels = decoded->levels;
+        notes->of_levels = decoded->of_levels;
+        notes->max_error = decoded->max_error;
     }
     return std::move(decoded->fog);
 }

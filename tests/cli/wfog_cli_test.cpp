@@ -109,6 +109,17 @@ TEST_CASE("a truncated .wfog file is shown as far as it goes") {
     const RunResult part = work.run({"info", "part.wfog", "--json"});
     CHECK(part.status == 0);
     CHECK(contains(part.err, "part.wfog: ends early; it is shown with the"));
+    const json facts = json_of(part);
+    CHECK(facts.at("stream_levels") < facts.at("of_stream_levels"));
+    CHECK(contains(part.err, "the " + facts.at("stream_levels").dump() + " coarsest of " +
+                                 facts.at("of_stream_levels").dump() + " levels"));
+    CHECK(!facts.contains("max_error"));  // that of the whole file is not this map's
+    const RunResult decoded = work.run({"decode", "part.wfog", "-o", "part.png"});
+    CHECK(decoded.status == 0);
+    CHECK(contains(decoded.out, "stream levels"));
+    const json of_whole = json_of(work.run({"info", "whole.wfog", "--json"}));
+    CHECK(of_whole.at("stream_levels") == of_whole.at("of_stream_levels"));
+    CHECK(of_whole.at("max_error") == 0);
     work.write_text("rays.csv", "0,0,0,100,0,80\n");
     const RunResult probed = work.run({"probe", "part.wfog", "--rays", "rays.csv", "-o", "-"});
     CHECK(probed.status == 0);

@@ -42,7 +42,11 @@ Result<void> save_wfog(const std::filesystem::path& file, std::span<const std::u
 /// What a file holds beside the fog.
 struct LoadNotes {
     std::string warning = {};  ///< the file ends early: which levels there are; else empty
-    Grid<float> map = {};      ///< a .wfog: the finest coefficients as they were encoded
+    // Of a .wfog alone, else empty or 0.
+    Grid<float> map = {};    ///< the finest coefficients as they were encoded
+    int stream_levels = 0;   ///< those that are there, coarse first
+    int of_levels = 0;       ///< and how many the whole file has
+    double max_error = 0;    ///< of the whole file's pixels, as its encoder measured it, in densities
 };
 
 /// Reads the .exr or the .json of save_fog, or a .wfog; of Layout::levels any of its files or the
