@@ -16,21 +16,16 @@ namespace wavefog::wfog {
 // floats in a fixed order, no fused operations (see CMakeLists.txt), and tables made of them.
 static_assert(std::numeric_limits<float>::is_iec559 && std::numeric_limits<double>::is_iec559);
 
-/// One adaptive estimate: the probability of a 1 and how many decisions it has seen.
-struct Estimate {
-    std::uint16_t p = 32768;
-    std::uint16_t seen = 0;
-};
-
 /// What an estimate does after so many decisions.
 struct Pace {
     float trust;         ///< how far it is believed
-    std::uint16_t rate;  ///< its step
+    std::uint32_t rate;  ///< its step
 };
 
 struct MixerTables {
-    std::array<float, 4096> stretch;  ///< ln(p / (1 - p)) of p = (i + 0.5) / 4096
-    std::array<float, 4096> squash;   ///< 1 / (1 + exp(-x)), x = (i + 0.5 - 2048) / 170
+    std::array<float, 4096> stretch;          ///< ln(p / (1 - p)) of p = (i + 0.5) / 4096
+    std::array<float, 4096> squash;           ///< 1 / (1 + exp(-x)), x = (i + 0.5 - 2048) / 170
+    std::array<std::uint16_t, 4096> chances;  ///< the same of 65536, at least 1
     std::array<Pace, 256> paces;
     MixerTables();
 };
@@ -63,8 +58,11 @@ class ContextMixer {
 
   private:
     static constexpr std::size_t kInputs = kContexts + 2;
-    static constexpr std::size_t kLanes = 16;  ///< contexts, and what fills the vectors
-    static constexpr std::uint16_t kMostSeen = 250;
+    static constexpr std::int32_t kMostSeen = 250;
+    /// An adaptive estimate: the probability of a 1, of 65536, and in the bits above how many
+    /// decisions it has seen.
+    using Estimate = std::uint32_t;
+    static constexpr Estimate kNew = 32768;
 
     // Those of a few kinds of decisions lie together for all contexts: most pixels need no others,
     // and all contexts' together are more than a cache holds.
@@ -77,9 +75,6 @@ class ContextMixer {
     }
     template <class Coder>
     int code_by(Coder& coder, int bit, int node, int first_set, int second_set);
-    float squash(float x) const;
-    static float dot(const float* a, const float* b);
-    static void learn(float* weights, const float* in, float error);
 
     const MixerTables& tables_ = mixer_tables();
     std::array<std::uint32_t, kContexts> starts_{}, places_{};  ///< of each kind, of its context
