@@ -148,8 +148,9 @@ class PixelEncoder {
             if (const Bounds bounds = bounds_by(by); choices.empty() || choices.back() != bounds)
                 choices.push_back(bounds);
         if (choices.size() == 1) return encode_within(choices[0]);
-        // Rough estimates are off by a few percent; whatever is closer is looked at as a whole.
-        constexpr double kUnsure = 0.04;
+        // Estimates are off by a few percent; where that matters there is a second, unless it is as
+        // well to try.
+        constexpr double kUnsure = 0.04, kLikely = 0.985;
         bool rough = true;
         double enough =
             kThreeDecibels * prequantised_rms(source_.map(), head_.scale, allowed_, true);
@@ -164,8 +165,10 @@ class PixelEncoder {
         };
         size_t choice = 0;
         for (; choice + 1 < choices.size(); ++choice) {
-            auto rms = rms_of(choices[choice], true);
-            if (rms && unsure(*rms)) rms = rms_of(choices[choice], false);
+            auto rms = rms_of(choices[choice], Strips::first);
+            if (rms && unsure(*rms) && *rms > kLikely * enough)
+                if (const auto other = rms_of(choices[choice], Strips::third))
+                    rms = std::hypot(*rms, *other) * std::sqrt(0.5);
             if (!rms || suffices(*rms)) break;
         }
         Result<Trial> trial;
@@ -188,9 +191,9 @@ class PixelEncoder {
         return coding_of(head_, d.width, d.height, head_.stream_levels);
     }
 
-    std::optional<double> rms_of(const Bounds& bounds, bool roughly) {
+    std::optional<double> rms_of(const Bounds& bounds, Strips strips) {
         head_.bounds = bounds;
-        const auto square = squared_error_of(coding(), roughly, options_.threads, options_.stop,
+        const auto square = squared_error_of(coding(), strips, options_.threads, options_.stop,
                                              tiles_of(source_.map(), head_.scale));
         if (!square) return {};
         return std::sqrt(*square) * double(head_.scale.density(1));

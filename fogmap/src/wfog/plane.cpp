@@ -83,11 +83,25 @@ void replace_values(Tile& tile, Replacement replacement) {
     });
 }
 
+/// Whether some neighbours differ, and by no more than `reach`.
+WAVEFOG_VECTOR_CLONES
+bool any_near(const int32_t* values, size_t count, int32_t reach) {
+    int32_t near = 0;
+    for (size_t i = 1; i < count; ++i) {
+        const int32_t d = std::abs(values[i] - values[i - 1]);
+        near |= (d != 0 ? 1 : 0) & (d <= reach ? 1 : 0);
+    }
+    return near != 0;
+}
+
 /// The values of a tile, rising, if their ranks are as good: so far apart that none could stand for
 /// two, and with as many that do not occur between. Else nothing.
 std::vector<int32_t> values_apart(const Tile& tile, int32_t low, int32_t high, int64_t bound) {
     const int64_t range = int64_t(high) - low;
     if (range == 0 || range >= kMaxPackedRange) return {};
+    // Most maps show in some pixels that they are not so.
+    const auto reach = static_cast<int32_t>(2 * std::min(bound, range));
+    if (any_near(tile.values.data(), std::min(tile.values.size(), size_t(4096)), reach)) return {};
     std::vector<std::uint8_t> occurs(size_t(range) + 1);
     int64_t left = (range + 1) / 2;
     const bool few = for_each_piece(tile.values, [&](size_t at, size_t) {
@@ -325,16 +339,18 @@ PlaneResult decode_plane(const PlaneViews& streams, const PlaneCoding& coding, i
     return damaged ? PlaneResult::damaged : done ? PlaneResult::done : PlaneResult::stopped;
 }
 
-std::optional<double> squared_error_of(const PlaneCoding& coding, bool roughly, int threads,
+std::optional<double> squared_error_of(const PlaneCoding& coding, Strips strips, int threads,
                                        const std::stop_token& stop, const TileSource& source) {
     constexpr int kRows = 32, kEvery = 4 * kRows;
+    const int begin = strips == Strips::first ? 0 : 2 * kRows;
     std::vector<double> sums(coding.tiles()), pixels(coding.tiles());
     std::atomic<bool> too_wide = coding.bounds.finest > kTableRange;
     const bool done =
         for_each_place(coding, threads, stop, [&](size_t t, const Place& place, Scratch& scratch) {
-            const bool all = !roughly || place.height < 2 * kEvery;
+            const bool all = place.height < 2 * kEvery;
             const int rows = all ? place.height : kRows;
-            for (int y = 0; y + rows <= place.height && !too_wide; y += all ? rows : kEvery) {
+            for (int y = all ? 0 : begin; y + rows <= place.height && !too_wide;
+                 y += all ? rows : kEvery) {
                 scratch.clear();
                 Tile strip(place.width, rows, scratch);
                 source({place.x, place.y + y, place.width, rows}, strip);

@@ -62,9 +62,11 @@ PlaneResult encode_plane(const PlaneCoding& coding, bool best, int threads,
 PlaneResult decode_plane(const PlaneViews& streams, const PlaneCoding& coding, int threads,
                          const std::stop_token& stop, const TileSink& sink);
 
-/// The mean squared error that encoding would leave, without encoding; or, `roughly`, an estimate
-/// from every fourth strip of 32 rows. Nothing if a tile's range is too wide, or stopped.
-std::optional<double> squared_error_of(const PlaneCoding& coding, bool roughly, int threads,
+/// Estimates the mean squared error that encoding would leave from every fourth strip of 32 rows of
+/// large tiles, `strips` says which fourths; small tiles count whole. Nothing if a tile's range is
+/// too wide, or stopped.
+enum class Strips { first, third };
+std::optional<double> squared_error_of(const PlaneCoding& coding, Strips strips, int threads,
                                        const std::stop_token& stop, const TileSource& source);
 
 }  // namespace wavefog::wfog

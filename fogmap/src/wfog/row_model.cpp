@@ -126,16 +126,15 @@ double squared_distance(const float* a, const float* b, int width) {
 
 namespace {
 
-/// The moments of truth - y = a (x - y) + t trend over every fourth row of a part, x and y the
+/// The moments of truth - y = a (x - y) + t trend over every `skip`-th row of a part, x and y the
 /// means of the pairs: uu, ut, ud, tt, td.
 struct Moments {
     double uu = 0, ut = 0, ud = 0, tt = 0, td = 0;
 };
 
 WAVEFOG_VECTOR_CLONES
-Moments moments_of(const Parts& parts, int part, const Plane& plane) {
+Moments moments_of(const Parts& parts, int part, const Plane& plane, int skip) {
     Moments m;
-    const int skip = plane.height > 64 ? 4 : 1;
     for (int j = 0; j < plane.height; j += skip) {
         const Row row = row_of(parts, part, j);
         const float *a0 = row.a0, *a1 = row.a1, *b0 = row.b0, *b1 = row.b1;
@@ -169,18 +168,19 @@ Moments moments_of(const Parts& parts, int part, const Plane& plane) {
 
 }  // namespace
 
-Weights fit(Parts& parts) {
+Weights fit(Parts& parts, bool roughly) {
     Weights weights;
+    const int skip = roughly || parts.centres.height > 64 ? 4 : 1;
     const auto in_64ths = [](double x) {
         return static_cast<std::int8_t>(std::clamp(std::lround(x * 64), -64l, 127l));
     };
     parts.coarse.extend(parts.coarse);
     parts.centres.extend(parts.coarse);
-    const Moments centre = moments_of(parts, 0, parts.centres);
+    const Moments centre = moments_of(parts, 0, parts.centres, skip);
     // There the weight of the pairs is fixed: truth - (x + y) / 2 = t trend.
     if (centre.tt > 0) weights.centre = in_64ths((centre.td - centre.ut / 2) / centre.tt);
     for (const int part : {1, 2}) {
-        const Moments m = moments_of(parts, part, part == 1 ? parts.horizontal : parts.vertical);
+        const Moments m = moments_of(parts, part, part == 1 ? parts.horizontal : parts.vertical, skip);
         const double determinant = m.uu * m.tt - m.ut * m.ut;
         if (determinant > 1e-6 * m.uu * m.tt && determinant > 0) {
             weights.along[size_t(part) - 1] = in_64ths((m.ud * m.tt - m.td * m.ut) / determinant);

@@ -63,7 +63,7 @@ void remember(const std::int32_t* quotients, int width, float* before);
 double squared_distance(const float* a, const float* b, int width);
 
 /// The weights that suit a level best: least squares on the values in `parts`, whose margins it
-/// sets. Every fourth row will do.
-Weights fit(Parts& parts);
+/// sets. Every fourth row will do where there are many, and `roughly` anywhere.
+Weights fit(Parts& parts, bool roughly);
 
 }  // namespace wavefog::wfog

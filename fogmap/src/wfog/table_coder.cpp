@@ -77,10 +77,11 @@ struct Symbols {
 };
 
 /// What to do with each level of a tile: its grid at first, then the parts of each further level,
-/// whose `coarse` is what a decoder has; both leave there what it will have.
+/// whose `coarse` is what a decoder has; both leave there what it will have. `roughly`: with
+/// weights from a few rows.
 template <class First, class Next>
-void for_each_level(const Tile& tile, const TileCoding& coding, Scratch& scratch, First first,
-                    Next next) {
+void for_each_level(const Tile& tile, const TileCoding& coding, bool roughly, Scratch& scratch,
+                    First first, Next next) {
     // Weights come from the true pixels, those of the level before included.
     std::vector<Parts> levels(size_t(coding.levels));
     for (size_t l = levels.size(); l-- > 0;)
@@ -96,7 +97,7 @@ void for_each_level(const Tile& tile, const TileCoding& coding, Scratch& scratch
         grid = levels[0].coarse;
     }
     std::vector<Weights> weights;
-    for (Parts& parts : levels) weights.push_back(fit(parts));
+    for (Parts& parts : levels) weights.push_back(fit(parts, roughly));
     first(grid);
     for (size_t l = 0; l < levels.size(); ++l) {
         Parts& parts = levels[l];
@@ -131,7 +132,7 @@ std::vector<Bytes> encode_tables(Tile& tile, const TileCoding& coding, Scratch& 
     // Nobody needs the values any more once they are floats.
     Symbols symbols{tile.values.data(), scratch.take<uint8_t>(tile.values.size()).data()};
     for_each_level(
-        tile, coding, scratch,
+        tile, coding, false, scratch,
         [&](Plane& grid) {
             const Quantiser quantiser = quantiser_of(coding, 0);
             for_each_coarsest(grid, quantiser.most, [&](float& value, float predicted) {
@@ -167,7 +168,7 @@ double squared_errors(const Tile& tile, const TileCoding& coding, Scratch& scrat
     const std::span<int32_t> quotients = scratch.take<int32_t>(widest);
     const std::span<uint8_t> contexts = scratch.take<uint8_t>(widest);
     for_each_level(
-        tile, coding, scratch,
+        tile, coding, true, scratch,
         [&](Plane& grid) {
             const Quantiser quantiser = quantiser_of(coding, 0);
             for_each_coarsest(grid, quantiser.most, [&](float& value, float predicted) {

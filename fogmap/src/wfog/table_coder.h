@@ -19,7 +19,8 @@ std::vector<Bytes> encode_tables(Tile& tile, const TileCoding& coding, Scratch& 
 bool decode_tables(Tile& tile, const TileCoding& coding, std::span<const View> streams,
                    Scratch& scratch);
 
-/// The sum of the squared errors of all pixels, of a tile within kTableRange, without its bytes.
+/// The sum of the squared errors of all pixels, of a tile within kTableRange, without its bytes:
+/// about, with weights from few rows.
 double squared_errors(const Tile& tile, const TileCoding& coding, Scratch& scratch);
 
 }  // namespace wavefog::wfog
