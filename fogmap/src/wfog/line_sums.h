@@ -18,10 +18,10 @@ struct LineField {
     double cell_x, cell_z;  ///< metres
 };
 
-/// What no integral of one of the fields along a segment of up to `longest` metres exceeds, whatever
-/// its place and direction; at least 0. Longer segments may count too: it is a price of length, in
-/// the field, that keeps them from adding up to more. `parts` of a cell are told apart: 2 takes about four times
-/// as long as 1 and is off by less. Less than that if stopped.
+/// What no integral of one of the fields along a segment of up to `longest` metres exceeds,
+/// whatever its place and direction; at least 0. Longer segments may count too: it is a price of
+/// length, in the field, that keeps them from adding up to more. `parts` of a cell are told apart:
+/// 2 takes about four times as long as 1 and is off by less. Less than that if stopped.
 double most_along_lines(std::span<const LineField> fields, double longest, int parts, int threads,
                         const std::stop_token& stop);
 

@@ -180,7 +180,8 @@ Weights fit(Parts& parts, bool roughly) {
     // There the weight of the pairs is fixed: truth - (x + y) / 2 = t trend.
     if (centre.tt > 0) weights.centre = in_64ths((centre.td - centre.ut / 2) / centre.tt);
     for (const int part : {1, 2}) {
-        const Moments m = moments_of(parts, part, part == 1 ? parts.horizontal : parts.vertical, skip);
+        const Moments m =
+            moments_of(parts, part, part == 1 ? parts.horizontal : parts.vertical, skip);
         const double determinant = m.uu * m.tt - m.ut * m.ut;
         if (determinant > 1e-6 * m.uu * m.tt && determinant > 0) {
             weights.along[size_t(part) - 1] = in_64ths((m.ud * m.tt - m.td * m.ut) / determinant);
