@@ -345,9 +345,11 @@ void write_symbols(std::span<const std::int32_t> values, std::span<const uint8_t
         while (shifts[c] < kMaxShift && (sums[c] >> shifts[c]) > 5 * seen[c]) ++shifts[c];
         if (shifts[c] > 0) first_shifted = static_cast<unsigned>(c);
     }
-    // A symbol takes at most 63 bits, and where none is beyond the last token 8: its sign with five
-    // bits that say so, or with a shift of at most 2.
-    BitWriter bits(beyond ? 8 * count : count, scratch);
+    // Signs and shifted bits of all, and of the last tokens up to 36 more; shifts make them fewer.
+    uint64_t most_bits = 0;
+    for (size_t c = 0; c < kTokenContexts; ++c)
+        most_bits += seen[c] * (1 + shifts[c]) + counts[c * kTokens + kLargest] * uint64_t(36);
+    BitWriter bits(most_bits / 8 + 1, scratch);
     put_plain_bits(values, contexts.data(), shifts, first_shifted, indices.data(), bits);
     if (first_shifted < kTokenContexts) counts = count_indices(indices);
 
