@@ -62,10 +62,11 @@ PlaneResult encode_plane(const PlaneCoding& coding, bool best, int threads,
 PlaneResult decode_plane(const PlaneViews& streams, const PlaneCoding& coding, int threads,
                          const std::stop_token& stop, const TileSink& sink);
 
-/// Estimates the mean squared error that encoding would leave from every fourth strip of 32 rows of
-/// large tiles, `strips` says which fourths; small tiles count whole. Nothing if a tile's range is
-/// too wide, or stopped.
+/// Every fourth strip of 32 rows of a large tile, from the first or the third on; of a small one all.
 enum class Strips { first, third };
+
+/// Estimates, from some strips, the mean squared error that encoding would leave. Nothing if a
+/// tile's range is too wide, or stopped.
 std::optional<double> squared_error_of(const PlaneCoding& coding, Strips strips, int threads,
                                        const std::stop_token& stop, const TileSource& source);
 
