@@ -62,7 +62,7 @@ PlaneResult encode_plane(const PlaneCoding& coding, bool best, int threads,
 PlaneResult decode_plane(const PlaneViews& streams, const PlaneCoding& coding, int threads,
                          const std::stop_token& stop, const TileSink& sink);
 
-/// Every fourth strip of 32 rows of a large tile, from the first or the third on; of a small one all.
+/// Every fourth strip of 32 rows of a large tile, from the first or the third on; else all.
 enum class Strips { first, third };
 
 /// Estimates, from some strips, the mean squared error that encoding would leave. Nothing if a
