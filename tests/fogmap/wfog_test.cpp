@@ -368,6 +368,30 @@ TEST_CASE("wfog: gaps between few values cost nothing") {
         }
 }
 
+TEST_CASE("wfog: no promise makes a small map larger than no loss") {
+    // Few values, some of them next to each other: ranks are fewer than steps.
+    Grid<float> map(300, 3);
+    for (int j = 0; j < 300; ++j) map.row(j).setConstant(float(j * j % 256) / 255);
+    for (const bool best : {false, true}) {
+        WfogOptions options;
+        options.best = best;
+        const std::size_t lossless = encoded(fog_of(map), options, &map).bytes.size();
+        options.promise = Promise::max_error;
+        for (const double error : {0.4 / 255, 1.0 / 255, 2.0 / 255}) {
+            CAPTURE(error);
+            options.error = error;
+            CHECK(encoded(fog_of(map), options, &map).bytes.size() <= lossless);
+        }
+        options.promise = Promise::max_transmittance_error;
+        options.path = 50;
+        for (const double error : {1e-5, 1e-3}) {
+            CAPTURE(error);
+            options.error = error;
+            CHECK(encoded(fog_of(map), options, &map).bytes.size() <= lossless);
+        }
+    }
+}
+
 namespace {
 
 /// The largest |dT| of 3000 rays of up to `path` metres that climb from the height `lowest` or up

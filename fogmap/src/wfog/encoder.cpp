@@ -85,6 +85,12 @@ struct Trial {
     bool negative = false;  ///< somewhere below 0 where the original is not
 };
 
+/// The smaller file, or what went wrong.
+Result<Trial> smaller_of(Result<Trial> a, Result<Trial> b) {
+    const bool second = a && (!b || b->file.bytes.size() < a->file.bytes.size());
+    return std::move(second ? b : a);
+}
+
 /// Errors between two that whole steps of the picture allow: rays do not care whether pixels are
 /// off by whole steps.
 bool wants_finer_steps(double steps) {
@@ -400,7 +406,7 @@ class RaySearch {
     /// coarser steps while that pays.
     Result<Trial> run(double scale) {
         const double sure = options_.error / std::max(fog_.extinction * options_.path, 1e-300);
-        auto best = encoder_.encode(std::min(sure, scale));
+        auto best = smaller_of(encoder_.encode(std::min(sure, scale)), encoder_.encode(0));
         if (!best) return best;
         best->file.report.ray_error = worst_ray(*best, parts_);
         const Range all{.low = std::log(sure), .high = std::log(std::max(scale, sure))};
@@ -512,6 +518,9 @@ Result<EncodedFog> encode_pixels(const Fog& fog, const Source& source, double sc
         case Promise::max_error:
             allowed = options.error * scale;
             trial = encoder.encode_well(allowed);
+            // What is small takes no time, and may have few values.
+            if (trial && source.map().size() <= 1 << 16)
+                trial = smaller_of(std::move(trial), encoder.encode(0));
             break;
         case Promise::bytes:
             // An error of all of the map's range leaves nothing to tell apart.
