@@ -29,6 +29,9 @@ using std::size_t;
 /// below the bound.
 constexpr int64_t kStepsOfBound = 15;
 
+/// Maps of so many pixels are tried without loss too.
+constexpr Eigen::Index kSmallMap = 128 * 128;
+
 /// A density that occurs so often is worth its entry in a table.
 constexpr size_t kUsesOfTable = 8;
 
@@ -518,8 +521,8 @@ Result<EncodedFog> encode_pixels(const Fog& fog, const Source& source, double sc
         case Promise::max_error:
             allowed = options.error * scale;
             trial = encoder.encode_well(allowed);
-            // What is small takes no time, and may have few values.
-            if (trial && source.map().size() <= 1 << 16)
+            // It takes no time, and may have few values.
+            if (trial && source.map().size() <= kSmallMap)
                 trial = smaller_of(std::move(trial), encoder.encode(0));
             break;
         case Promise::bytes:
