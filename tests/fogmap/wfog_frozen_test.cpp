@@ -49,6 +49,8 @@ TEST_CASE("wfog: frozen files decode to the same values") {
         {"v1_packed_tables", 150, 131, 0xf0797fe6, 0x7beb1ebf},
         {"v1_companded", 41, 35, 0x792c7177, 0x2a37c2bc},
         {"v1_companded_tables", 137, 130, 0x2d685b8d, 0xdde37ccc},
+        {"v1_runs", 149, 131, 0x9062b9c4, 0x89bf0095},
+        {"v1_runs_ranks", 137, 150, 0x18ab0674, 0xbfd3e88d},
     };
     for (const Frozen& frozen : files) {
         const std::string name =

@@ -78,6 +78,14 @@ Plane merge(const Parts& parts, Scratch& scratch) {
     return grid;
 }
 
+Plane plane_of(const Tile& tile, std::int32_t low, Scratch& scratch) {
+    Plane plane(tile.width, tile.height, scratch);
+    for (int j = 0; j < tile.height; ++j)
+        std::transform(tile.row(j), tile.row(j) + tile.width, plane.row(j),
+                       [low](std::int32_t value) { return static_cast<float>(value - low); });
+    return plane;
+}
+
 Parts split(const Tile& tile, std::int32_t low, Scratch& scratch) {
     return split_rows(
         tile.width, tile.height, scratch, [&](int j) { return tile.row(j); },

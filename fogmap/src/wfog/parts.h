@@ -60,7 +60,15 @@ void for_each_grid_row(PartsOrConst& parts, int height, Body body) {
 Parts split(const Plane& grid, Scratch& scratch);
 Plane merge(const Parts& parts, Scratch& scratch);
 
-/// The same of a tile's integers, as floats relative to `low`.
+/// How many pixels of a row or column of `count` are multiples of 2^coarser.
+inline int multiples(int count, int coarser) {
+    return ((count - 1) >> coarser) + 1;
+}
+
+/// A tile's integers, as floats relative to `low`.
+Plane plane_of(const Tile& tile, std::int32_t low, Scratch& scratch);
+
+/// Split and merged at once.
 Parts split(const Tile& tile, std::int32_t low, Scratch& scratch);
 void merge(const Parts& parts, std::int32_t low, Tile& tile);
 

@@ -8,6 +8,7 @@
 
 #include "mixing_coder.h"
 #include "parallel.h"
+#include "run_coder.h"
 #include "table_coder.h"
 #include "vector_clones.h"
 
@@ -19,7 +20,7 @@ using std::int32_t;
 using std::int64_t;
 using std::size_t;
 
-enum class TileCoder : unsigned { constant = 0, mixing = 1, tables = 2 };
+enum class TileCoder : unsigned { constant = 0, mixing = 1, tables = 2, runs = 3 };
 constexpr unsigned kMarksLow = 4, kPacked = 8;
 constexpr int64_t kSmallest = std::numeric_limits<int32_t>::min();
 constexpr int64_t kLargest = std::numeric_limits<int32_t>::max();
@@ -184,8 +185,10 @@ size_t count_of(int32_t value, const int32_t* values, size_t count) {
 /// What a tile's values are coded with, but the coder.
 struct Measured {
     TileCoding coding;
+    int32_t low = 0;
     std::vector<int32_t> table;  ///< of ranks, else empty
     int64_t range = 0;
+    bool runs = false;  ///< flat but for edges
 };
 
 Measured measure(const Tile& tile, const PlaneCoding& plane) {
@@ -194,11 +197,12 @@ Measured measure(const Tile& tile, const PlaneCoding& plane) {
     const Extremes extremes = extremes_of(tile.values.data(), tile.values.size());
     coding.levels = plane.levels;
     coding.bounds = plane.bounds;
-    coding.low = extremes.least;
+    coding.low = measured.low = extremes.least;
     coding.high = extremes.most;
     measured.range = int64_t(coding.high) - coding.low;
     coding.marks_low =
         count_of(coding.low, tile.values.data(), tile.values.size()) > tile.values.size() / 10;
+    measured.runs = measured.range <= kTableRange && mostly_runs(tile, 2 * coding.bounds.finest);
     measured.table = values_apart(tile, coding.low, coding.high, coding.bounds.finest);
     return measured;
 }
@@ -224,36 +228,51 @@ bool for_each_tile(const PlaneCoding& coding, int threads, const std::stop_token
                           });
 }
 
-std::vector<Bytes> encode_tile(Tile& tile, const PlaneCoding& plane, bool best, Scratch& scratch) {
-    auto [coding, table, range] = measure(tile, plane);
-    const bool packed = !table.empty();
-    // A small tile takes no time either way, and the tables of one weigh more.
-    const bool quick = !best && tile.values.size() >= kSmallTile && range <= kTableRange &&
-                       coding.bounds.finest <= kTableRange;
-    const TileCoder coder = range == 0 ? TileCoder::constant
-                            : quick    ? TileCoder::tables
-                                       : TileCoder::mixing;
+/// A tile's streams with what a decoder has to know first.
+std::vector<Bytes> with_head(TileCoder coder, const Measured& measured,
+                             std::vector<Bytes> streams) {
+    const bool packed = !measured.table.empty();
     Writer head;
-    head.byte(static_cast<unsigned>(coder) | (coding.marks_low ? kMarksLow : 0u) |
+    head.byte(static_cast<unsigned>(coder) | (measured.coding.marks_low ? kMarksLow : 0u) |
               (packed ? kPacked : 0u));
-    head.signed_length(coding.low);
-    if (coder == TileCoder::constant) {
-        std::vector<Bytes> streams(size_t(plane.levels) + 1);
-        streams[0] = std::move(head.bytes);
-        return streams;
-    }
-    if (packed) {
-        write_table(table, head);
-        to_ranks(table, tile);
-        use_ranks(table, coding);
-    } else {
-        head.length(static_cast<std::uint64_t>(range));
-    }
-    std::vector<Bytes> streams = coder == TileCoder::tables ? encode_tables(tile, coding, scratch)
-                                                            : encode_mixing(tile, coding);
+    head.signed_length(measured.low);
+    if (packed)
+        write_table(measured.table, head);
+    else if (coder != TileCoder::constant)
+        head.length(static_cast<std::uint64_t>(measured.range));
     head.append(streams[0]);
     streams[0] = std::move(head.bytes);
     return streams;
+}
+
+size_t size_of(const std::vector<Bytes>& streams) {
+    return std::accumulate(streams.begin(), streams.end(), size_t(0),
+                           [](size_t sum, const Bytes& each) { return sum + each.size(); });
+}
+
+std::vector<Bytes> encode_tile(Tile& tile, const PlaneCoding& plane, bool best, Scratch& scratch) {
+    Measured measured = measure(tile, plane);
+    TileCoding& coding = measured.coding;
+    const int64_t range = measured.range;
+    if (range == 0)
+        return with_head(TileCoder::constant, measured,
+                         std::vector<Bytes>(size_t(plane.levels) + 1));
+    // A small tile takes no time either way, and the tables of one weigh more.
+    const bool quick = !best && tile.values.size() >= kSmallTile && range <= kTableRange &&
+                       coding.bounds.finest <= kTableRange;
+    if (!measured.table.empty()) {
+        to_ranks(measured.table, tile);
+        use_ranks(measured.table, coding);
+    }
+    std::vector<Bytes> runs;
+    if (measured.runs) {
+        runs = with_head(TileCoder::runs, measured, encode_runs(tile, coding, scratch));
+        if (quick) return runs;
+    }
+    std::vector<Bytes> streams =
+        quick ? with_head(TileCoder::tables, measured, encode_tables(tile, coding, scratch))
+              : with_head(TileCoder::mixing, measured, encode_mixing(tile, coding));
+    return !runs.empty() && size_of(runs) <= size_of(streams) ? runs : streams;
 }
 
 bool decode_tile(std::vector<View> streams, const PlaneCoding& plane, Tile& tile,
@@ -291,7 +310,9 @@ bool decode_tile(std::vector<View> streams, const PlaneCoding& plane, Tile& tile
         decode_mixing(tile, coding, streams);
         interpolate_levels(tile, plane.levels, static_cast<int>(streams.size()) - 1);
     } else {
-        return false;
+        if (int64_t(coding.high) - coding.low > kTableRange) return false;
+        decode_runs(tile, coding, streams, scratch);
+        interpolate_levels(tile, plane.levels, static_cast<int>(streams.size()) - 1);
     }
     if (flags & kPacked) from_ranks(table, tile);
     return true;
@@ -357,7 +378,8 @@ std::optional<double> squared_error_of(const PlaneCoding& coding, Strips strips,
                 const Measured measured = measure(strip, coding);
                 if (measured.range > kTableRange) too_wide = true;
                 pixels[t] += double(strip.values.size());
-                if (too_wide || measured.range == 0 || !measured.table.empty()) continue;
+                if (too_wide || measured.range == 0 || !measured.table.empty() || measured.runs)
+                    continue;
                 sums[t] += squared_errors(strip, measured.coding, scratch);
             }
         });

@@ -58,11 +58,6 @@ void for_each_coarsest(Plane& grid, float most, Code code) {
         }
 }
 
-/// How many pixels of a row or column of `count` are multiples of 2^coarser.
-int multiples(int count, int coarser) {
-    return ((count - 1) >> coarser) + 1;
-}
-
 /// Symbols of a level as they come.
 struct Symbols {
     int32_t* values;
@@ -87,15 +82,7 @@ void for_each_level(const Tile& tile, const TileCoding& coding, bool roughly, Sc
     for (size_t l = levels.size(); l-- > 0;)
         levels[l] = l + 1 < levels.size() ? split(levels[l + 1].coarse, scratch)
                                           : split(tile, coding.low, scratch);
-    Plane grid;
-    if (levels.empty()) {
-        grid = Plane(tile.width, tile.height, scratch);
-        for (int j = 0; j < tile.height; ++j)
-            for (int i = 0; i < tile.width; ++i)
-                grid.row(j)[i] = static_cast<float>(tile.row(j)[i] - coding.low);
-    } else {
-        grid = levels[0].coarse;
-    }
+    Plane grid = levels.empty() ? plane_of(tile, coding.low, scratch) : levels[0].coarse;
     std::vector<Weights> weights;
     for (Parts& parts : levels) weights.push_back(fit(parts, roughly));
     first(grid);
