@@ -15,6 +15,7 @@
 #include "bench/ray_promise.h"
 #include "bench/stability.h"
 #include "bench/table_text.h"
+#include "report.h"
 #include "wavefog/fogmap/image.h"
 #include "wavefog/fogmap/wfog.h"
 #include "wavefog/gpu/timer.h"
@@ -58,8 +59,13 @@ bool in_steps(const Grid<float>& map, int steps) {
 }
 
 Result<CodecMap> read_codec_map(const fs::path& file) {
-    Result<Fogmap> map = read_fogmap(file);
+    ReadOptions read;
+    read.sanitize = true;
+    Result<Fogmap> map = read_fogmap(file, read);
     if (!map) return tl::unexpected(map.error());
+    if (map->sanitized > 0)
+        warn(fmt::format("{}: {} of {} pixels are no densities; they count as 0", file.string(),
+                         map->sanitized, map->pixels.size()));
     CodecMap result{file.stem().string(), std::move(map->pixels), 1, 0};
     for (const int steps : {255, 65535})
         if (result.steps == 0 && in_steps(result.densities, steps)) result.steps = steps;

@@ -11,7 +11,7 @@
 namespace wavefog::cli {
 namespace {
 
-constexpr int paths[] = {64, 512};  // cells
+constexpr int paths[] = {64, 128, 512};  // cells
 constexpr double error = 0.01, depth = 4;
 
 }  // namespace

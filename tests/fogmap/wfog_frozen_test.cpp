@@ -51,6 +51,7 @@ TEST_CASE("wfog: frozen files decode to the same values") {
         {"v1_companded_tables", 137, 130, 0x2d685b8d, 0xdde37ccc},
         {"v1_runs", 149, 131, 0x9062b9c4, 0x89bf0095},
         {"v1_runs_ranks", 137, 150, 0x18ab0674, 0xbfd3e88d},
+        {"v1_runs_narrow", 1000, 3, 0xf510eeb1, 0x51568443},  // levels without centres
     };
     for (const Frozen& frozen : files) {
         const std::string name =

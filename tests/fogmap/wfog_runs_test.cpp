@@ -163,21 +163,35 @@ TEST_CASE("wfog runs: stripes and discs are exact in hardly any bits, whatever i
 
 TEST_CASE("wfog runs: flat tiles with edges are told from slopes and from noise") {
     test::Random random(84);
-    const auto runs = [](std::int64_t reach, auto value) {
+    using wfog::Flatness;
+    const auto flatness = [](std::int64_t reach, auto value) {
         wfog::Scratch scratch;
         Tile tile(256, 200, scratch);
         for (int j = 0; j < tile.height; ++j)
             for (int i = 0; i < tile.width; ++i) tile.row(j)[i] = value(i, j);
-        return mostly_runs(tile, reach);
+        return flatness_of(tile, reach);
     };
     const auto slope = [](int i, int j) { return (i + j) / 30; };
-    CHECK(runs(0, slope));
-    CHECK(!runs(2, slope));  // steps within a bound's reach: a slope that may be smooth
-    CHECK(runs(8, [](int i, int j) { return (i / 20 + j / 20) % 2 * 100; }));
-    CHECK(runs(8, [](int i, int) { return i * 50; }));
-    CHECK(runs(8, [](int, int j) { return j * 50; }));
-    CHECK(!runs(0, [](int i, int j) { return (i / 4 + j / 4) % 2 * 100; }));
-    CHECK(!runs(0, [&](int, int) { return random.integer(0, 1); }));
+    CHECK(flatness(0, slope) == Flatness::edges);
+    CHECK(flatness(2, slope) == Flatness::slopes);
+    CHECK(flatness(8, [](int i, int j) { return (i / 20 + j / 20) % 2 * 100; }) == Flatness::edges);
+    CHECK(flatness(8, [](int i, int) { return i * 50; }) == Flatness::edges);
+    CHECK(flatness(8, [](int, int j) { return j * 50; }) == Flatness::edges);
+    CHECK(flatness(0, [](int i, int j) { return (i / 4 + j / 4) % 2 * 100; }) == Flatness::none);
+    CHECK(flatness(0, [&](int, int) { return random.integer(0, 1); }) == Flatness::none);
+}
+
+TEST_CASE("wfog runs: no promise makes edges between near densities larger than no loss does") {
+    const int densities[] = {10, 77, 78, 200, 240};
+    for (const auto& [w, h] : {std::pair{300, 300}, {128, 700}, {199, 401}}) {
+        const Grid<float> map =
+            map_of(w, h, [&](int i, int j) { return densities[(i + 2 * j) / 37 % 5]; });
+        const std::size_t lossless = encoded(map, 0).bytes.size();
+        for (const double error : {1 / 255.0, 4 / 255.0}) {
+            INFO(w << " x " << h << ", error " << error);
+            CHECK(encoded(map, error).bytes.size() <= lossless);
+        }
+    }
 }
 
 }  // namespace wavefog

@@ -222,6 +222,7 @@ class PixelEncoder {
         if (!errors) return tl::unexpected(errors.error());
         const Errors& made = *errors;
         head_.max_error = static_cast<float>(made.most);
+        if (!heed_bounds(streams[0])) head_.bounds = {};
         std::vector<Bytes> chunks;
         for (const std::vector<Bytes>& level : streams) chunks.push_back(join(level));
         trial.file.bytes = write_chunks(head_, chunks);

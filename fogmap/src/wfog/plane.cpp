@@ -188,7 +188,7 @@ struct Measured {
     int32_t low = 0;
     std::vector<int32_t> table;  ///< of ranks, else empty
     int64_t range = 0;
-    bool runs = false;  ///< flat but for edges
+    Flatness flatness = Flatness::none;
 };
 
 Measured measure(const Tile& tile, const PlaneCoding& plane) {
@@ -202,7 +202,8 @@ Measured measure(const Tile& tile, const PlaneCoding& plane) {
     measured.range = int64_t(coding.high) - coding.low;
     coding.marks_low =
         count_of(coding.low, tile.values.data(), tile.values.size()) > tile.values.size() / 10;
-    measured.runs = measured.range <= kTableRange && mostly_runs(tile, 2 * coding.bounds.finest);
+    if (measured.range <= kTableRange)
+        measured.flatness = flatness_of(tile, 2 * coding.bounds.finest);
     measured.table = values_apart(tile, coding.low, coding.high, coding.bounds.finest);
     return measured;
 }
@@ -250,6 +251,20 @@ size_t size_of(const std::vector<Bytes>& streams) {
                            [](size_t sum, const Bytes& each) { return sum + each.size(); });
 }
 
+/// By the coder of runs. It loses nothing, so that ranks may stand for values however near.
+std::vector<Bytes> encode_flat(const Tile& tile, Measured measured, Scratch& scratch) {
+    TileCoding& coding = measured.coding;
+    if (measured.table.empty() && coding.bounds.finest > 0)
+        measured.table = values_apart(tile, coding.low, coding.high, 0);
+    if (measured.table.empty())
+        return with_head(TileCoder::runs, measured, encode_runs(tile, coding, scratch));
+    Tile ranks(tile.width, tile.height, scratch);
+    std::copy(tile.values.begin(), tile.values.end(), ranks.values.begin());
+    to_ranks(measured.table, ranks);
+    use_ranks(measured.table, coding);
+    return with_head(TileCoder::runs, measured, encode_runs(ranks, coding, scratch));
+}
+
 std::vector<Bytes> encode_tile(Tile& tile, const PlaneCoding& plane, bool best, Scratch& scratch) {
     Measured measured = measure(tile, plane);
     TileCoding& coding = measured.coding;
@@ -260,14 +275,14 @@ std::vector<Bytes> encode_tile(Tile& tile, const PlaneCoding& plane, bool best, 
     // A small tile takes no time either way, and the tables of one weigh more.
     const bool quick = !best && tile.values.size() >= kSmallTile && range <= kTableRange &&
                        coding.bounds.finest <= kTableRange;
+    std::vector<Bytes> runs;
+    if (measured.flatness != Flatness::none) {
+        runs = encode_flat(tile, measured, scratch);
+        if (quick && measured.flatness == Flatness::edges) return runs;
+    }
     if (!measured.table.empty()) {
         to_ranks(measured.table, tile);
         use_ranks(measured.table, coding);
-    }
-    std::vector<Bytes> runs;
-    if (measured.runs) {
-        runs = with_head(TileCoder::runs, measured, encode_runs(tile, coding, scratch));
-        if (quick) return runs;
     }
     std::vector<Bytes> streams =
         quick ? with_head(TileCoder::tables, measured, encode_tables(tile, coding, scratch))
@@ -346,6 +361,14 @@ PlaneResult encode_plane(const PlaneCoding& coding, bool best, int threads,
     return damaged ? PlaneResult::damaged : done ? PlaneResult::done : PlaneResult::stopped;
 }
 
+bool heed_bounds(const std::vector<Bytes>& first_level) {
+    return std::any_of(first_level.begin(), first_level.end(), [](const Bytes& tile) {
+        const auto coder = static_cast<TileCoder>(tile[0] & 3u);
+        return (coder == TileCoder::mixing || coder == TileCoder::tables) &&
+               (tile[0] & kPacked) == 0;
+    });
+}
+
 PlaneResult decode_plane(const PlaneViews& streams, const PlaneCoding& coding, int threads,
                          const std::stop_token& stop, const TileSink& sink) {
     std::atomic<bool> damaged = false;
@@ -378,7 +401,8 @@ std::optional<double> squared_error_of(const PlaneCoding& coding, Strips strips,
                 const Measured measured = measure(strip, coding);
                 if (measured.range > kTableRange) too_wide = true;
                 pixels[t] += double(strip.values.size());
-                if (too_wide || measured.range == 0 || !measured.table.empty() || measured.runs)
+                if (too_wide || measured.range == 0 || !measured.table.empty() ||
+                    measured.flatness == Flatness::edges)
                     continue;
                 sums[t] += squared_errors(strip, measured.coding, scratch);
             }

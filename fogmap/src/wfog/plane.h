@@ -58,6 +58,9 @@ PlaneResult encode_plane(const PlaneCoding& coding, bool best, int threads,
                          const std::stop_token& stop, const TileSource& source,
                          const TileSink& check, PlaneStreams& streams);
 
+/// Whether any of the tiles that encode_plane() has made is coded within bounds, not exactly.
+bool heed_bounds(const std::vector<Bytes>& first_level);
+
 /// Decodes as many levels as there are streams (at least 1) and interpolates the others.
 PlaneResult decode_plane(const PlaneViews& streams, const PlaneCoding& coding, int threads,
                          const std::stop_token& stop, const TileSink& sink);

@@ -239,7 +239,7 @@ class Model {
 
 }  // namespace
 
-bool mostly_runs(const Tile& tile, int64_t reach) {
+Flatness flatness_of(const Tile& tile, int64_t reach) {
     constexpr int kEvery = 8;
     constexpr uint32_t kFew = 12, kEnough = 4096;  // one pixel in so many; pixels to judge by
     const auto within = static_cast<int32_t>(std::min<int64_t>(reach, 1 << 30));
@@ -253,10 +253,10 @@ bool mostly_runs(const Tile& tile, int64_t reach) {
         all.small += here.small;
         pixels += static_cast<uint32_t>(tile.width);
         if (pixels >= kEnough && std::min(all.to_west, all.to_north) > 2 * pixels / kFew)
-            return false;
+            return Flatness::none;
     }
-    return std::min(all.to_west, all.to_north) <= pixels / kFew &&
-           all.small <= (all.to_west + all.to_north) / 8;
+    if (std::min(all.to_west, all.to_north) > pixels / kFew) return Flatness::none;
+    return all.small > (all.to_west + all.to_north) / 8 ? Flatness::slopes : Flatness::edges;
 }
 
 std::vector<Bytes> encode_runs(const Tile& tile, const TileCoding& coding, Scratch& scratch) {

@@ -12,10 +12,15 @@
 
 namespace wavefog::wfog {
 
-/// Whether most pixels are as the one to the west, or most as the one to the north, and the others
-/// differ by more than `reach`: a slope that a bound leaves to be foretold is none. Of values that
-/// are less than 2^30 apart.
-bool mostly_runs(const Tile& tile, std::int64_t reach);
+/// Whether most pixels are as the one to the west, or most as the one to the north.
+enum class Flatness {
+    none,
+    slopes,  ///< so they are, but many of the others are off by no more than `reach`: perhaps a
+             ///< slope, which a bound leaves to be foretold
+    edges,
+};
+/// Of values that are less than 2^30 apart.
+Flatness flatness_of(const Tile& tile, std::int64_t reach);
 
 /// As encode_mixing() and decode_mixing(), for tiles of a range below 2^24 (high - low): no value
 /// is lost, whatever the bounds.
