@@ -48,6 +48,9 @@ Scale companded_scale(double step, double coarseness, double most);
 /// 0: what they save, in bits a pixel.
 double mean_coarseness(const Scale& companded, const Grid<float>& map);
 
+/// A density that occurs so often is worth its entry in a table.
+inline constexpr std::size_t kUsesOfTable = 8;
+
 /// A scale for any floats, bit for bit: a table if a value occurs `uses` times on the mean and all
 /// fit into one, else their bits without those that are 0 in all.
 Scale exact_scale(const Grid<float>& map, std::size_t uses);

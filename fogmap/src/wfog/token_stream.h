@@ -16,15 +16,6 @@ namespace wavefog::wfog {
 inline constexpr std::size_t kTokens = 16;         ///< magnitudes 0..14, and "larger"
 inline constexpr std::size_t kTokenContexts = 20;  ///< classes of activity
 
-/// What a stream says of one context. A magnitude m has the token min(m >> shift, 15).
-struct TokenModel {
-    bool used = false;
-    std::uint8_t shift = 0;
-    /// Logit of the probability that the token is i, given that it is at least i; the last for all
-    /// larger ones. 16 to 256 steps of MixerTables::squash apart.
-    std::array<std::uint8_t, 4> stops{};
-};
-
 /// Appends the code of signed integers, each in a context below kTokenContexts.
 void write_symbols(std::span<const std::int32_t> values, std::span<const std::uint8_t> contexts,
                    Scratch& scratch, Bytes& stream);
