@@ -86,6 +86,22 @@ TEST_CASE("wfog parts: symbols come back, in runs of zeros and between, whatever
         }
 }
 
+TEST_CASE("wfog parts: zeros alone take no bytes") {
+    for (const size_t count : {1u, 4095u, 60000u}) {
+        const std::vector<int32_t> zeros(count);
+        const std::vector<uint8_t> contexts(count, 7);
+        wfog::Scratch scratch;
+        wfog::Bytes stream;
+        wfog::write_symbols(zeros, contexts, scratch, stream);
+        CHECK(stream.empty());
+        wfog::SymbolReader reader(stream, count);
+        std::vector<int32_t> back(count, -1);
+        reader.read(contexts.data(), count, back.data());
+        CHECK(!reader.failed());
+        CHECK(back == zeros);
+    }
+}
+
 TEST_CASE("wfog parts: symbols that all need many plain bits, though none is beyond the tokens") {
     test::Random random(74);
     for (const int32_t most : {7, 14, 15}) {

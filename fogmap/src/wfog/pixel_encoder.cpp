@@ -20,8 +20,8 @@ namespace {
 /// below the bound.
 constexpr int64_t kStepsOfBound = 15;
 
-/// Errors between two that whole steps of the picture allow: rays do not care whether pixels are
-/// off by whole steps.
+/// Errors between two that whole steps of the picture allow: neither rays nor a file's size care
+/// whether pixels are off by whole steps.
 bool wants_finer_steps(double steps) {
     constexpr double kMostSteps = 16;
     return steps < kMostSteps && steps - std::floor(steps) > 0.5;
@@ -71,6 +71,11 @@ PixelEncoder::PixelEncoder(const Fog& fog, const Source& source, const WfogOptio
 Result<Trial> PixelEncoder::encode(double error, double coarseness) {
     choose_scale(error, coarseness);
     return encode_within(bounds_by(kTightness[0]));
+}
+
+Result<Trial> PixelEncoder::encode_evenly(double error) {
+    find_scale(error, 1);
+    return encode_within({.finest = allowed_});
 }
 
 double PixelEncoder::saving(double error, double coarseness) {
@@ -189,9 +194,11 @@ void PixelEncoder::choose_scale(double error, double coarseness) {
 
 void PixelEncoder::find_scale(double error, double coarseness) {
     allowed_ = 0;
-    const bool by_rays = options_.promise == WfogOptions::Promise::max_transmittance_error;
+    using Promise = WfogOptions::Promise;
+    const bool any_error =
+        options_.promise == Promise::max_transmittance_error || options_.promise == Promise::bytes;
     if (source_.ratio && coarseness == 1 &&
-        !(by_rays && wants_finer_steps(error * source_.ratio->divisor))) {
+        !(any_error && wants_finer_steps(error * source_.ratio->divisor))) {
         head_.scale = *source_.ratio;
         // The last bits of a double must not cost a whole step.
         allowed_ = static_cast<int64_t>(

@@ -8,6 +8,7 @@
 
 #include "mixing_coder.h"
 #include "parallel.h"
+#include "plain_coder.h"
 #include "run_coder.h"
 #include "table_coder.h"
 #include "vector_clones.h"
@@ -20,8 +21,8 @@ using std::int32_t;
 using std::int64_t;
 using std::size_t;
 
-enum class TileCoder : unsigned { constant = 0, mixing = 1, tables = 2, runs = 3 };
-constexpr unsigned kMarksLow = 4, kPacked = 8;
+enum class TileCoder : unsigned { constant = 0, mixing = 1, tables = 2, runs = 3, plain = 16 };
+constexpr unsigned kMarksLow = 4, kPacked = 8, kCoders = 19;
 constexpr int64_t kSmallest = std::numeric_limits<int32_t>::min();
 constexpr int64_t kLargest = std::numeric_limits<int32_t>::max();
 /// Tiles that reach further have their values, not ranks.
@@ -218,17 +219,6 @@ bool for_each_place(const PlaneCoding& coding, int threads, const std::stop_toke
     });
 }
 
-/// Calls body(t, place, tile, scratch) for every tile, its values not set. False if stopped.
-template <class Body>
-bool for_each_tile(const PlaneCoding& coding, int threads, const std::stop_token& stop, Body body) {
-    return for_each_place(coding, threads, stop,
-                          [&](size_t t, const Place& place, Scratch& scratch) {
-                              scratch.clear();
-                              Tile tile(place.width, place.height, scratch);
-                              body(t, place, tile, scratch);
-                          });
-}
-
 /// A tile's streams with what a decoder has to know first.
 std::vector<Bytes> with_head(TileCoder coder, const Measured& measured,
                              std::vector<Bytes> streams) {
@@ -251,50 +241,83 @@ size_t size_of(const std::vector<Bytes>& streams) {
                            [](size_t sum, const Bytes& each) { return sum + each.size(); });
 }
 
-/// By the coder of runs. It loses nothing, so that ranks may stand for values however near.
-std::vector<Bytes> encode_flat(const Tile& tile, Measured measured, Scratch& scratch) {
-    TileCoding& coding = measured.coding;
-    if (measured.table.empty() && coding.bounds.finest > 0)
-        measured.table = values_apart(tile, coding.low, coding.high, 0);
-    if (measured.table.empty())
-        return with_head(TileCoder::runs, measured, encode_runs(tile, coding, scratch));
-    Tile ranks(tile.width, tile.height, scratch);
-    std::copy(tile.values.begin(), tile.values.end(), ranks.values.begin());
-    to_ranks(measured.table, ranks);
-    use_ranks(measured.table, coding);
-    return with_head(TileCoder::runs, measured, encode_runs(ranks, coding, scratch));
+/// Of the values or their ranks.
+TileCoding coding_of(const Measured& measured) {
+    TileCoding coding = measured.coding;
+    if (!measured.table.empty()) use_ranks(measured.table, coding);
+    return coding;
 }
 
-std::vector<Bytes> encode_tile(Tile& tile, const PlaneCoding& plane, bool best, Scratch& scratch) {
+/// `tile` is of no use afterwards.
+std::vector<Bytes> encode_by(TileCoder coder, const Measured& measured, Tile& tile,
+                             Scratch& scratch) {
+    const TileCoding coding = coding_of(measured);
+    if (!measured.table.empty()) to_ranks(measured.table, tile);
+    switch (coder) {
+        case TileCoder::tables:
+            return with_head(coder, measured, encode_tables(tile, coding, scratch));
+        case TileCoder::runs:
+            return with_head(coder, measured, encode_runs(tile, coding, scratch));
+        case TileCoder::plain:
+            return with_head(coder, measured, encode_plain(tile, coding));
+        default:
+            return with_head(coder, measured, encode_mixing(tile, coding));
+    }
+}
+
+/// A way to code a tile.
+struct Way {
+    TileCoder coder;
+    const Measured* measured;
+};
+
+std::vector<Bytes> encode_tile(const Place& place, const TileSource& source,
+                               const PlaneCoding& plane, bool best, Scratch& scratch) {
+    Tile tile(place.width, place.height, scratch);
+    source(place, tile);
     Measured measured = measure(tile, plane);
-    TileCoding& coding = measured.coding;
-    const int64_t range = measured.range;
-    if (range == 0)
+    const int64_t range = measured.range, bound = measured.coding.bounds.finest;
+    if (range <= bound) {
+        measured.low = static_cast<int32_t>(measured.low + range / 2);
         return with_head(TileCoder::constant, measured,
                          std::vector<Bytes>(size_t(plane.levels) + 1));
-    // A small tile takes no time either way, and the tables of one weigh more.
-    const bool quick = !best && tile.values.size() >= kSmallTile && range <= kTableRange &&
-                       coding.bounds.finest <= kTableRange;
-    std::vector<Bytes> runs;
-    if (measured.flatness != Flatness::none) {
-        runs = encode_flat(tile, measured, scratch);
-        if (quick && measured.flatness == Flatness::edges) return runs;
     }
-    if (!measured.table.empty()) {
-        to_ranks(measured.table, tile);
-        use_ranks(measured.table, coding);
+    // Few values may take fewer bits exactly than a slope within bounds.
+    Measured exact = measured;
+    if (measured.table.empty() && bound > 0)
+        exact.table = values_apart(tile, measured.coding.low, measured.coding.high, 0);
+    // The tables of a small tile weigh more, and it takes no time either way.
+    const bool fits = range <= kTableRange && bound <= kTableRange;
+    const bool quick = !best && tile.values.size() >= kSmallTile && fits;
+    std::vector<Way> ways;
+    if (exact.flatness != Flatness::none) ways.push_back({TileCoder::runs, &exact});
+    if (!quick || exact.flatness != Flatness::edges) {
+        const bool two = measured.table.empty() && !exact.table.empty();
+        for (const Measured* each : {&measured, two ? &exact : nullptr}) {
+            if (each == nullptr) continue;
+            if (fits) ways.push_back({TileCoder::tables, each});
+            if (!quick) ways.push_back({TileCoder::mixing, each});
+        }
     }
-    std::vector<Bytes> streams =
-        quick ? with_head(TileCoder::tables, measured, encode_tables(tile, coding, scratch))
-              : with_head(TileCoder::mixing, measured, encode_mixing(tile, coding));
-    return !runs.empty() && size_of(runs) <= size_of(streams) ? runs : streams;
+    std::vector<Bytes> smallest;
+    const Scratch::Mark before = scratch.mark();
+    const auto attempt = [&](TileCoder coder, const Measured& by) {
+        scratch.release(before);
+        if (!smallest.empty()) source(place, tile);
+        std::vector<Bytes> streams = encode_by(coder, by, tile, scratch);
+        if (smallest.empty() || size_of(streams) < size_of(smallest)) smallest = std::move(streams);
+    };
+    for (const Way& way : ways) attempt(way.coder, *way.measured);
+    if (plain_size(tile, coding_of(exact)) + exact.table.size() < size_of(smallest))
+        attempt(TileCoder::plain, exact);
+    return smallest;
 }
 
 bool decode_tile(std::vector<View> streams, const PlaneCoding& plane, Tile& tile,
                  Scratch& scratch) {
     Reader head(streams[0]);
     const unsigned flags = head.byte();
-    if (flags > (kPacked | kMarksLow | 3u)) return false;
+    if (flags > (kPacked | kMarksLow | kCoders)) return false;
     TileCoding coding;
     coding.levels = plane.levels;
     coding.bounds = plane.bounds;
@@ -302,7 +325,7 @@ bool decode_tile(std::vector<View> streams, const PlaneCoding& plane, Tile& tile
     const int64_t low = head.signed_length();
     if (head.failed() || low < kSmallest || low > kLargest) return false;
     coding.low = static_cast<int32_t>(low);
-    const auto coder = static_cast<TileCoder>(flags & 3u);
+    const auto coder = static_cast<TileCoder>(flags & kCoders);
     if (coder == TileCoder::constant) {
         std::fill(tile.values.begin(), tile.values.end(), coding.low);
         return std::all_of(streams.begin() + 1, streams.end(),
@@ -321,12 +344,15 @@ bool decode_tile(std::vector<View> streams, const PlaneCoding& plane, Tile& tile
     streams[0] = head.take(head.left());
     if (coder == TileCoder::tables) {
         if (!decode_tables(tile, coding, streams, scratch)) return false;
-    } else if (coder == TileCoder::mixing) {
-        decode_mixing(tile, coding, streams);
-        interpolate_levels(tile, plane.levels, static_cast<int>(streams.size()) - 1);
     } else {
-        if (int64_t(coding.high) - coding.low > kTableRange) return false;
-        decode_runs(tile, coding, streams, scratch);
+        if (coder == TileCoder::mixing) {
+            decode_mixing(tile, coding, streams);
+        } else if (coder == TileCoder::runs) {
+            if (int64_t(coding.high) - coding.low > kTableRange) return false;
+            decode_runs(tile, coding, streams, scratch);
+        } else if (coder != TileCoder::plain || !decode_plain(tile, coding, streams)) {
+            return false;
+        }
         interpolate_levels(tile, plane.levels, static_cast<int>(streams.size()) - 1);
     }
     if (flags & kPacked) from_ranks(table, tile);
@@ -346,10 +372,10 @@ PlaneResult encode_plane(const PlaneCoding& coding, bool best, int threads,
                          const TileSink& check, PlaneStreams& streams) {
     streams.assign(size_t(coding.levels) + 1, std::vector<Bytes>(coding.tiles()));
     std::atomic<bool> damaged = false;
-    const bool done = for_each_tile(
-        coding, threads, stop, [&](size_t t, const Place& place, Tile& tile, Scratch& scratch) {
-            source(place, tile);
-            std::vector<Bytes> coded = encode_tile(tile, coding, best, scratch);
+    const bool done =
+        for_each_place(coding, threads, stop, [&](size_t t, const Place& place, Scratch& scratch) {
+            scratch.clear();
+            std::vector<Bytes> coded = encode_tile(place, source, coding, best, scratch);
             scratch.clear();
             Tile decoded(place.width, place.height, scratch);
             if (!decode_tile({coded.begin(), coded.end()}, coding, decoded, scratch) ||
@@ -363,7 +389,7 @@ PlaneResult encode_plane(const PlaneCoding& coding, bool best, int threads,
 
 bool heed_bounds(const std::vector<Bytes>& first_level) {
     return std::any_of(first_level.begin(), first_level.end(), [](const Bytes& tile) {
-        const auto coder = static_cast<TileCoder>(tile[0] & 3u);
+        const auto coder = static_cast<TileCoder>(tile[0] & kCoders);
         return (coder == TileCoder::mixing || coder == TileCoder::tables) &&
                (tile[0] & kPacked) == 0;
     });
@@ -372,9 +398,11 @@ bool heed_bounds(const std::vector<Bytes>& first_level) {
 PlaneResult decode_plane(const PlaneViews& streams, const PlaneCoding& coding, int threads,
                          const std::stop_token& stop, const TileSink& sink) {
     std::atomic<bool> damaged = false;
-    const bool done = for_each_tile(
-        coding, threads, stop, [&](size_t t, const Place& place, Tile& tile, Scratch& scratch) {
+    const bool done =
+        for_each_place(coding, threads, stop, [&](size_t t, const Place& place, Scratch& scratch) {
             if (damaged) return;
+            scratch.clear();
+            Tile tile(place.width, place.height, scratch);
             std::vector<View> own;
             for (const std::vector<View>& level : streams) own.push_back(level[t]);
             if (!decode_tile(std::move(own), coding, tile, scratch) || !sink(t, place, tile))

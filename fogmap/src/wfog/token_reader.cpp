@@ -30,7 +30,9 @@ uint64_t eight_bytes_at(const uint8_t* bytes) {
 
 }  // namespace
 
-SymbolReader::SymbolReader(View stream, size_t count) : state_count_(states_for(count)) {
+SymbolReader::SymbolReader(View stream, size_t count)
+    : state_count_(states_for(count)), all_zero_(stream.empty()) {
+    if (all_zero_) return;
     Reader head(stream);
     const uint64_t used = head.length();
     if (used >> kTokenContexts != 0) failed_ = true;
@@ -226,7 +228,7 @@ void SymbolReader::read_values(const uint8_t* contexts, size_t count, std::int32
 }
 
 void SymbolReader::read(const uint8_t* contexts, size_t count, std::int32_t* values) {
-    if (failed_) {
+    if (failed_ || all_zero_) {
         std::fill_n(values, count, 0);
         return;
     }

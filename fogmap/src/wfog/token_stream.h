@@ -16,7 +16,8 @@ namespace wavefog::wfog {
 inline constexpr std::size_t kTokens = 16;         ///< magnitudes 0..14, and "larger"
 inline constexpr std::size_t kTokenContexts = 20;  ///< classes of activity
 
-/// Appends the code of signed integers, each in a context below kTokenContexts.
+/// Appends the code of signed integers, each in a context below kTokenContexts: nothing, if all
+/// are 0.
 void write_symbols(std::span<const std::int32_t> values, std::span<const std::uint8_t> contexts,
                    Scratch& scratch, Bytes& stream);
 
@@ -59,7 +60,7 @@ class SymbolReader {
     std::uint64_t buffer_ = 0;
     unsigned buffered_ = 0;
     std::size_t turn_ = 0, state_count_ = kStates;
-    bool failed_ = false;
+    bool all_zero_ = false, failed_ = false;
 };
 
 }  // namespace wavefog::wfog

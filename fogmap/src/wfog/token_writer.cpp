@@ -253,6 +253,12 @@ void write_symbols(std::span<const std::int32_t> values, std::span<const uint8_t
     const std::span<std::uint16_t> indices = scratch.take<std::uint16_t>(count);
     const bool beyond = find_indices(values.data(), contexts.data(), count, indices.data());
     Counts counts = count_indices(indices);
+    size_t zeros_of_all = 0;
+    for (size_t c = 0; c < kTokenContexts; ++c) zeros_of_all += counts[c * kTokens];
+    if (zeros_of_all == count) {
+        scratch.release(before);
+        return;
+    }
     // How large the magnitudes of each context are decides its shift.
     std::array<uint64_t, kTokenContexts> sums{}, seen{};
     if (beyond)
