@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "command.h"
+#include "elapsed.h"
 #include "files.h"
 #include "interrupt.h"
 #include "options.h"
@@ -84,7 +85,11 @@ Result<Fog> fog_of_fog(const ConvertOptions& options, Grid<float>& pixels) {
             options.input.string()));
     LoadNotes notes;
     Result<Fog> fog = load_fog(options.input, &notes);
-    if (!notes.warning.empty()) warn(notes.warning);
+    if (fog && notes.stream_levels < notes.of_levels)
+        return data_error(fmt::format(
+            "{}: ends early, with the {} coarsest of {} levels, and what it became would look "
+            "whole; get the rest of it, or a picture of what there is (wavefog decode)",
+            options.input.string(), notes.stream_levels, notes.of_levels));
     pixels = std::move(notes.map);
     if (!fog || !options.decomposes_anew()) return fog;
     FogOptions again;
@@ -251,10 +256,12 @@ Result<void> convert_file(const ConvertOptions& options, Facts& facts) {
     return compact ? write_wfog(options, *fog, map, facts) : write_exr(options, *fog, facts);
 }
 
-bool names_directory(const fs::path& output) {
+bool names_directory(const ConvertOptions& options) {
+    const std::string extension = extension_of(options.output);
+    if (extension == ".exr" || extension == ".wfog") return false;
     std::error_code code;
-    const std::string extension = extension_of(output);
-    return fs::is_directory(output, code) && extension != ".exr" && extension != ".wfog";
+    return options.inputs.size() > 1 || !options.output.has_filename() ||
+           fs::is_directory(options.output, code);
 }
 
 /// Where a file of several goes; two must not go to one place.
@@ -280,6 +287,11 @@ Result<std::vector<ConvertOptions>> plan_files(const ConvertOptions& options) {
 Result<void> convert_files(const ConvertOptions& options) {
     const auto plan = plan_files(options);
     if (!plan) return tl::unexpected(plan.error());
+    std::error_code code;
+    fs::create_directories(options.output, code);
+    if (code)
+        return data_error(fmt::format("{}: cannot be made a directory ({}); choose another",
+                                      options.output.string(), code.message()));
     std::vector<Facts> facts(plan->size());
     std::vector<std::string> errors(plan->size());
     parallel_chunks("converting", plan->size(), 1, [&](std::size_t i, std::size_t) {
@@ -312,15 +324,18 @@ Result<void> convert_files(const ConvertOptions& options) {
 }
 
 Result<void> convert(const ConvertOptions& options) {
-    if (names_directory(options.output)) return convert_files(options);
+    if (names_directory(options)) return convert_files(options);
     if (options.inputs.size() > 1)
-        return usage_error(fmt::format(
-            "{}: {} and other files need a directory that exists as the output; create it first",
-            options.output.string(), options.inputs[1].string()));
+        return usage_error(
+            fmt::format("{}: {} and other files need a directory as the output; name one",
+                        options.output.string(), options.inputs[1].string()));
     ConvertOptions one = options;
     one.input = options.inputs.front();
     Facts facts;
-    if (auto done = convert_file(one, facts); !done) return done;
+    {
+        const Elapsed elapsed("converting");
+        if (auto done = convert_file(one, facts); !done) return done;
+    }
     print_facts(facts, options.json);
     return {};
 }
@@ -447,11 +462,12 @@ far away, and read from the textures in OUT.exr what it needs. Black is clear ai
 has the full extinction. Beside OUT.exr, OUT.json describes the layout for engines.
 
 OUT.wfog is small instead: it holds the map to a promised error, coarse levels first, and
-every command reads it. Several files go into a directory, as .wfog if a flag of .wfog is
-given, else as .exr; one that fails does not keep the others back. What is promised about
-rays is proved for all of them. Where they reach fog that is as dense without end (uniform,
-below a base), a ray may stay over one pixel, and files are as large as for --max-error; else
-errors even out along them, and files are smaller. The proof takes most of the time.
+every command reads it. Several files go into a directory, which is made if need be: as .wfog
+if a flag of .wfog is given, else as .exr; one that fails does not keep the others back. What
+is promised about rays is proved for all of them. Where they reach fog that is as dense
+without end (uniform, below a base), a ray may stay over one pixel, and files are as large as
+for --max-error; else errors even out along them, and files are smaller. The proof takes most
+of the time. "worst dT" is the worst of some rays, sought where pixels are off by most.
 
 Example: banks of fog over 400 x 400 m that thin out with every 8 m of height
   wavefog convert banks.png -o banks.exr --rect -200,-200,200,200 \

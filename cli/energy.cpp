@@ -8,21 +8,21 @@
 namespace wavefog::cli {
 namespace {
 
-/// out(j, i) = sum_k gram[|k|] in(j, i + k) along rows; outside is 0 or the row again.
-Grid<double> correlate_rows(const Grid<double>& in, const std::vector<double>& gram,
-                            Boundary boundary) {
-    const Eigen::Index width = in.cols();
+/// out(i) = sum_k gram[|k|] row(i + k); outside is 0 or the row again.
+Eigen::ArrayXd correlated(const Eigen::ArrayXd& row, const std::vector<double>& gram,
+                          Boundary boundary) {
+    const Eigen::Index width = row.size();
     const auto reach = static_cast<Eigen::Index>(gram.size()) - 1;
-    Grid<double> out = Grid<double>::Zero(in.rows(), width);
+    Eigen::ArrayXd out = Eigen::ArrayXd::Zero(width);
     for (Eigen::Index k = -reach; k <= reach; ++k) {
         const double weight = gram[static_cast<std::size_t>(std::abs(k))];
         if (boundary == Boundary::repeat) {
             for (Eigen::Index i = 0; i < width; ++i)
-                out.col(i) += weight * in.col(((i + k) % width + width) % width);
+                out(i) += weight * row(((i + k) % width + width) % width);
         } else if (std::abs(k) < width) {
             const Eigen::Index count = width - std::abs(k);
-            out.middleCols(std::max<Eigen::Index>(0, -k), count) +=
-                weight * in.middleCols(std::max<Eigen::Index>(0, k), count);
+            out.segment(std::max<Eigen::Index>(0, -k), count) +=
+                weight * row.segment(std::max<Eigen::Index>(0, k), count);
         }
     }
     return out;
@@ -33,10 +33,22 @@ Grid<double> correlate_rows(const Grid<double>& in, const std::vector<double>& g
 double squared_norm(const Band<float>& band, int degree, Boundary boundary) {
     std::vector<double> gram;
     for (int k = 0; k <= degree; ++k) gram.push_back(bspline(2 * degree + 1, degree + 1 + k));
-    const Grid<double> values = band.values.cast<double>();
-    const Grid<double> along_x = correlate_rows(values, gram, boundary);
-    const Grid<double> along_z = correlate_rows(along_x.transpose(), gram, boundary).transpose();
-    return (values * along_z).sum();
+    // Row by row: a large map as doubles would take more memory than all else.
+    const auto row = [&](Eigen::Index j) -> Eigen::ArrayXd {
+        return band.values.row(j).cast<double>().transpose();
+    };
+    const Eigen::Index height = band.values.rows();
+    double sum = 0;
+    for (Eigen::Index j = 0; j < height; ++j) {
+        const Eigen::ArrayXd along_x = correlated(row(j), gram, boundary);
+        for (Eigen::Index k = -degree; k <= degree; ++k) {
+            const bool inside = j + k >= 0 && j + k < height;
+            if (!inside && boundary != Boundary::repeat) continue;
+            sum += gram[static_cast<std::size_t>(std::abs(k))] *
+                   (along_x * row(((j + k) % height + height) % height)).sum();
+        }
+    }
+    return sum;
 }
 
 std::vector<double> energy_shares(const Decomposition<float>& decomposition) {

@@ -39,8 +39,8 @@ struct Range {
 
 /// One row a level: 0 is the coarsest approximation, above it the details that each level adds.
 Facts level_rows(const Decomposition<float>& d) {
-    const Pyramid<float> pyramid = approximations(d);
     const std::vector<double> shares = energy_shares(d);
+    const Pyramid<float> pyramid = approximations(d);
     Facts rows = Facts::array();
     for (int level = 0; level <= d.levels(); ++level) {
         std::vector<const Band<float>*> bands = {&d.approximation};
@@ -80,6 +80,7 @@ Result<Facts> describe_fog(const fs::path& file) {
     const Result<Fog> fog = load_fog(file, &notes);
     if (!fog) return tl::unexpected(fog.error());
     if (!notes.warning.empty()) warn(notes.warning);
+    notes.map = {};  // large, and of no use here
     std::uintmax_t bytes = 0;
     for (const fs::path& part : fog_files(file)) bytes += file_bytes(part);
     Facts facts = {{"file", file.string()}, {"kind", "fog"}, {"bytes", bytes}};

@@ -151,6 +151,38 @@ TEST_CASE("convert of many files goes on past a bad one") {
     const RunResult twice = work.run({"convert", "a.png", "sub/a.png", "-o", "out"});
     CHECK(twice.status == 2);
     CHECK(contains(twice.err, "both a.png and sub/a.png"));
+
+    // A directory is made, by its parents if need be.
+    CHECK(work.run({"convert", "a.png", "b.png", "-o", "new/maps", "--lossless"}).status == 0);
+    CHECK(work.run({"info", "new/maps/b.wfog"}).status == 0);
+    CHECK(work.run({"convert", "a.png", "b.png", "-o", "a.png/maps"}).status == 1);
+
+    // What ends early must not come out looking whole.
+    work.write_ramp_png("large.png", 200, 160);
+    REQUIRE(work.run({"convert", "large.png", "-o", "large.wfog"}).status == 0);
+    const std::string whole = work.read_text("large.wfog");
+    work.write_text("part.wfog", whole.substr(0, whole.size() - 2));
+    const RunResult part = work.run({"convert", "part.wfog", "a.png", "-o", "parts", "--lossless"});
+    CHECK(part.status == 1);
+    CHECK(contains(part.err, "part.wfog: ends early"));
+    CHECK(work.run({"info", "parts/a.wfog"}).status == 0);
+    CHECK(work.run({"info", "parts/part.wfog"}).status == 1);
+}
+
+TEST_CASE("the worst of the sampled rays is near the worst of all") {
+    const Workspace work;
+    std::vector<float> pixels;
+    for (int j = 0; j < 48; ++j)
+        for (int i = 0; i < 64; ++i)
+            pixels.push_back(float(0.5 + 0.5 * std::sin(i * 0.3) * std::cos(j * 0.2 + i * 0.05)));
+    work.write_floats("map.tif", 64, 48, pixels);
+    // Uniform fog: the worst ray stays over one pixel, and the proof is exact.
+    const json facts =
+        json_of(work.run({"convert", "map.tif", "-o", "map.wfog", "--extinction", "0.05",
+                          "--max-transmittance-error", "0.02", "--path", "40", "--json"}));
+    CHECK(facts.at("proved_dT") > 0.01);
+    CHECK(facts.at("worst_dT") <= facts.at("proved_dT"));
+    CHECK(facts.at("worst_dT") > 0.8 * facts.at("proved_dT").get<double>());
 }
 
 TEST_CASE("flags that contradict each other or the output are mistakes") {

@@ -52,6 +52,8 @@ TEST_CASE("wfog: frozen files decode to the same values") {
         {"v1_runs", 149, 131, 0x9062b9c4, 0x89bf0095},
         {"v1_runs_ranks", 137, 150, 0x18ab0674, 0xbfd3e88d},
         {"v1_runs_narrow", 1000, 3, 0xf510eeb1, 0x51568443},  // levels without centres
+        {"v1_plain", 70, 50, 0xa9537558, 0x104cdb56},
+        {"v1_zeros", 150, 131, 0x9d774898, 0xc5555b8d},  // levels without symbols
     };
     for (const Frozen& frozen : files) {
         const std::string name =

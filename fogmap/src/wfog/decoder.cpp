@@ -130,8 +130,8 @@ Result<DecodedFog> decode(View bytes, const WfogLimits& limits) {
     const double needed = double(d.width) * double(d.height) * double(sizeof(float));
     if (needed > static_cast<double>(limits.max_map_bytes))
         return data_error(fmt::format(
-            "{} x {} pixels need {:.0f} MiB, above the limit of {:.0f} MiB; raise the limit if you "
-            "trust the file",
+            "{} x {} pixels need {:.0f} MiB, above the limit of {:.0f} MiB for files that nobody "
+            "vouches for; use a smaller map (WfogLimits::max_map_bytes raises the limit)",
             d.width, d.height, needed / (1 << 20),
             static_cast<double>(limits.max_map_bytes) / (1 << 20)));
     DecodedFog out;

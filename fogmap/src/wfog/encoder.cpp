@@ -91,41 +91,25 @@ Result<void> check_options(const WfogOptions& options) {
     return {};
 }
 
-/// Looks for the smallest error whose file fits, by halving the range of its logarithm, and gives
-/// `best` the file of the least RMS error. False: none did.
-template <class Encode>
-Result<bool> narrow(double scale, size_t bytes, Encode encode, Trial& best) {
-    double fits = std::log(scale), too_large = std::log(scale * 1e-6);
-    bool found = false;
-    for (int i = 0; i < 12; ++i) {
-        const double middle = (fits + too_large) / 2;
-        auto trial = encode(std::exp(middle));
-        if (!trial) return tl::unexpected(trial.error());
-        const bool fit = trial->file.bytes.size() <= bytes;
-        (fit ? fits : too_large) = middle;
-        if (!fit || trial->file.report.rms_error > best.file.report.rms_error) continue;
-        best = std::move(*trial);
-        found = true;
-    }
-    return found;
-}
-
-/// The best file that fits.
+/// The best file that fits: looks for the smallest error by halving the range of its logarithm.
 Result<Trial> fit_bytes(PixelEncoder& encoder, double scale, size_t bytes) {
     auto lossless = encoder.encode(0);
     if (!lossless || lossless->file.bytes.size() <= bytes) return lossless;
+    double fits = std::log(scale), too_large = std::log(scale * 1e-6);
     auto best = encoder.encode(scale);
     if (!best) return best;
     if (best->file.bytes.size() > bytes)
         return data_error(fmt::format("cannot be as small as {} bytes; {} are the least here",
                                       bytes, best->file.bytes.size()));
-    auto found = narrow(
-        scale, bytes, [&](double error) { return encoder.encode(error); }, *best);
-    // Tight bounds at coarse levels have their price.
-    if (found && !*found)
-        found = narrow(
-            scale, bytes, [&](double error) { return encoder.encode_evenly(error); }, *best);
-    if (!found) return tl::unexpected(found.error());
+    for (int i = 0; i < 12; ++i) {
+        const double middle = (fits + too_large) / 2;
+        auto trial = encoder.encode(std::exp(middle));
+        if (!trial) return trial;
+        const bool fit = trial->file.bytes.size() <= bytes;
+        (fit ? fits : too_large) = middle;
+        if (fit && trial->file.report.rms_error < best->file.report.rms_error)
+            best = std::move(trial);
+    }
     return best;
 }
 

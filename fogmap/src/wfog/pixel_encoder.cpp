@@ -20,11 +20,14 @@ namespace {
 /// below the bound.
 constexpr int64_t kStepsOfBound = 15;
 
-/// Errors between two that whole steps of the picture allow: neither rays nor a file's size care
-/// whether pixels are off by whole steps.
-bool wants_finer_steps(double steps) {
+/// Whether pictures in whole steps get finer ones. Rays do not care whether pixels are off by whole
+/// steps, and a file that shall have so many bytes needs sizes between those of two.
+bool wants_finer_steps(double steps, WfogOptions::Promise promise) {
     constexpr double kMostSteps = 16;
-    return steps < kMostSteps && steps - std::floor(steps) > 0.5;
+    if (steps >= kMostSteps) return false;
+    return promise == WfogOptions::Promise::bytes ||
+           (promise == WfogOptions::Promise::max_transmittance_error &&
+            steps - std::floor(steps) > 0.5);
 }
 
 /// The share of a prequantiser's RMS error that smooth maps may have.
@@ -71,11 +74,6 @@ PixelEncoder::PixelEncoder(const Fog& fog, const Source& source, const WfogOptio
 Result<Trial> PixelEncoder::encode(double error, double coarseness) {
     choose_scale(error, coarseness);
     return encode_within(bounds_by(kTightness[0]));
-}
-
-Result<Trial> PixelEncoder::encode_evenly(double error) {
-    find_scale(error, 1);
-    return encode_within({.finest = allowed_});
 }
 
 double PixelEncoder::saving(double error, double coarseness) {
@@ -194,16 +192,14 @@ void PixelEncoder::choose_scale(double error, double coarseness) {
 
 void PixelEncoder::find_scale(double error, double coarseness) {
     allowed_ = 0;
-    using Promise = WfogOptions::Promise;
-    const bool any_error =
-        options_.promise == Promise::max_transmittance_error || options_.promise == Promise::bytes;
-    if (source_.ratio && coarseness == 1 &&
-        !(any_error && wants_finer_steps(error * source_.ratio->divisor))) {
-        head_.scale = *source_.ratio;
-        // The last bits of a double must not cost a whole step.
-        allowed_ = static_cast<int64_t>(
-            std::min(error * head_.scale.divisor * (1 + 1e-12), double(1 << 29)));
-        return;
+    if (source_.ratio && coarseness == 1 && error >= source_.slack) {
+        const double steps = (error - source_.slack) * source_.ratio->divisor;
+        if (error == 0 || !wants_finer_steps(steps, options_.promise)) {
+            head_.scale = *source_.ratio;
+            // The last bits of a double must not cost a whole step.
+            allowed_ = static_cast<int64_t>(std::min(steps * (1 + 1e-12), double(1 << 29)));
+            return;
+        }
     }
     const double most = double(source_.map().abs().maxCoeff());
     // Float rounding of the decoded density comes on top.

@@ -35,9 +35,6 @@ class PixelEncoder {
     /// `coarseness`: how many times `error` the densest pixels may be off, at least 1.
     Result<Trial> encode(double error, double coarseness = 1);
 
-    /// As encode(), with the same bound at all levels even where the map is smooth.
-    Result<Trial> encode_evenly(double error);
-
     /// How many bits a pixel less the coarseness takes than 1, about.
     double saving(double error, double coarseness);
 

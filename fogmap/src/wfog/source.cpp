@@ -39,6 +39,11 @@ Source source_of(const Fog& fog, const Grid<float>* map, bool lossless) {
         snapped.ratio = ratio;
         snapped.made = source.map().unaryExpr(
             [&](float value) { return ratio->density(*ratio->integer(value)); });
+        if (map && !lossless) {
+            source.ratio = ratio;
+            source.slack = double((*snapped.made - *map).abs().maxCoeff());
+            return source;
+        }
         snapped.exact = lossless && gives(snapped.map(), fog);
         if (snapped.exact || !source.exact) return snapped;
     }

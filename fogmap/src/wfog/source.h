@@ -13,6 +13,7 @@ struct Source {
     const Grid<float>* given = nullptr;  ///< its pixels, unless `made`
     std::optional<Grid<float>> made;
     std::optional<Scale> ratio;
+    double slack = 0;    ///< how far pixels are from the multiples
     bool exact = false;  ///< decomposing the map gives the fog's own bits; known if lossless
 
     const Grid<float>& map() const { return made ? *made : *given; }
