@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
 #include <memory>
 #include <optional>
 
@@ -12,6 +13,7 @@
 #include "report.h"
 #include "wavefog/fogmap/fog_file.h"
 #include "wavefog/fogmap/image.h"
+#include "wavefog/fogmap/wfog.h"
 
 namespace wavefog::cli {
 namespace {
@@ -20,7 +22,7 @@ namespace fs = std::filesystem;
 
 struct DecodeOptions {
     fs::path input, output;
-    std::optional<int> level;
+    std::optional<int> level, streams;
     bool json = false;
 };
 
@@ -30,6 +32,26 @@ Image picture_of(const Grid<float>& values) {
     return image;
 }
 
+/// The fog of a .wfog file's first streams.
+Result<Fog> load_streams(const fs::path& file, int streams, LoadNotes& notes) {
+    if (extension_of(file) != ".wfog")
+        return usage_error(
+            fmt::format("--streams is about .wfog files; leave it out for {}", file.string()));
+    std::ifstream stream(file, std::ios::binary);
+    WfogLimits limits;
+    limits.partial = true;
+    limits.levels = streams;
+    auto decoded = decode_wfog(stream, limits);
+    if (!decoded)
+        return tl::unexpected(Error{decoded.error().kind,
+                                    fmt::format("{}: {}", file.string(), decoded.error().message)});
+    notes.map = std::move(decoded->map);
+    notes.stream_levels = decoded->levels;
+    notes.of_levels = decoded->of_levels;
+    notes.max_error = decoded->max_error;
+    return std::move(decoded->fog);
+}
+
 Result<void> decode(const DecodeOptions& options) {
     // A fog of --layout levels is found by the name it was saved under, which is no file's.
     if (auto ok = check_input(options.input); !ok && !is_fog_file(options.input)) return ok;
@@ -37,7 +59,8 @@ Result<void> decode(const DecodeOptions& options) {
         !ok)
         return ok;
     LoadNotes notes;
-    const Result<Fog> fog = load_fog(options.input, &notes);
+    const Result<Fog> fog = options.streams ? load_streams(options.input, *options.streams, notes)
+                                            : load_fog(options.input, &notes);
     if (!fog) return tl::unexpected(fog.error());
     if (!notes.warning.empty()) warn(notes.warning);
     const Decomposition<float>& d = fog->decomposition;
@@ -91,13 +114,18 @@ Command add_decode(CLI::App& root) {
         *app, "--level", options->level,
         [](const std::string& text) { return parse_integer_in(text, 0, 30); }, "L",
         "Which approximation: 0 the coarsest, the number of levels the map itself (the map)");
+    add_parsed(
+        *app, "--streams", options->streams,
+        [](const std::string& text) { return parse_integer_in(text, 1, 64); }, "N",
+        ".wfog: the map from the first N of its streams alone, as a download shows it (all)");
     app->add_flag("--json", options->json, "Print what was written as JSON");
     app->footer(
         R"(Without --level the picture is the map that was converted, one pixel a coefficient, up to
 rounding. With --level it is the map after only the first L layers of detail were added,
 which is what a renderer sees far away. A coarse map reaches past the edges of the fine
 one by a few pixels: `start` says where its first pixel lies, in its own cells.
-.exr and .tif hold floats; .png holds 16 bits of [0,1].
+.exr and .tif hold floats; .png holds 16 bits of [0,1]. A .wfog holds the map in streams, each
+of every second pixel of the one after it; from the first of them the rest is interpolated.
 
 Example: the coarsest map
   wavefog decode banks.exr -o coarse.tif --level 0)");

@@ -124,6 +124,12 @@ TEST_CASE("a truncated .wfog file is shown as far as it goes") {
     const RunResult probed = work.run({"probe", "part.wfog", "--rays", "rays.csv", "-o", "-"});
     CHECK(probed.status == 0);
     CHECK(contains(probed.err, "ends early"));
+    // The same levels of the whole file.
+    const std::string streams = facts.at("stream_levels").dump();
+    REQUIRE(work.run({"decode", "whole.wfog", "-o", "first.png", "--streams", streams}).status ==
+            0);
+    CHECK(work.read_text("first.png") == work.read_text("part.png"));
+    CHECK(work.run({"decode", "map.png", "-o", "x.png", "--streams", "1"}).status == 2);
     const RunResult stub = work.run({"info", "stub.wfog"});
     CHECK(stub.status == 1);
     CHECK(contains(stub.err, "stub.wfog: is truncated"));
