@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
-#include <map>
-#include <memory>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -37,170 +35,218 @@ using std::size_t;
 namespace {
 
 constexpr size_t kLeaf = 16;
-constexpr size_t kLanes = 32;
+constexpr size_t kLanes = 16;
 
 using Lanes = std::array<float, kLanes>;
 
-/// Largest sums of lines through a strip: of all its columns, from the left, and to the right; by
-/// where lines enter (a) and how far they climb (o), in parts: at [o * rows + a].
-struct Strip {
-    explicit Strip(size_t sums)
-        : total(std::make_unique_for_overwrite<float[]>(sums)),
-          left(std::make_unique_for_overwrite<float[]>(sums)),
-          right(std::make_unique_for_overwrite<float[]>(sums)) {}
+/// Largest sums of lines through a strip: of all its columns, from the left, and to the right.
+struct Sums {
+    float *total, *left, *right;
 
-    std::unique_ptr<float[]> total, left, right;
+    Sums from(size_t at) const { return {total + at, left + at, right + at}; }
 };
 
 float larger(float a, float b) {
     return a > b ? a : b;
 }
 
-/// The sums of a strip from one of its lines on.
-struct Sums {
-    float *total, *left, *right;
+float largest(const Lanes& lanes) {
+    return *std::max_element(lanes.begin(), lanes.end());
+}
 
-    Sums(const Strip& strip, size_t at)
-        : total(&strip.total[at]), left(&strip.left[at]), right(&strip.right[at]) {}
+/// Lines meet pixel + share * rise + bend * down in a column; where a part is a whole pixel, so
+/// that the next one is near too, + next_bend * down[1].
+struct Crossing {
+    const float *pixel, *rise, *down;
+    float share, bend, next_bend;
 };
 
-/// Sums over columns whose values at place a are columns[i][a].
-WAVEFOG_VECTOR_CLONES
-float add_columns(const std::array<const float*, kLeaf>& columns, size_t count, Sums sums) {
+template <bool whole>
+[[gnu::always_inline]] inline float add_lines(const std::array<Crossing, kLeaf>& columns,
+                                              size_t count, float* __restrict total,
+                                              float* __restrict left, float* __restrict right) {
     Lanes best{};
-    for (size_t first = 0; first < count; first += kLanes) {
-        const size_t lanes = std::min(kLanes, count - first);
+    for (size_t i = 0; i < count; i += kLanes) {
         Lanes t{}, l{}, r{};
-        for (const float* column : columns)
+        for (const Crossing& c : columns)
             for (size_t k = 0; k < kLanes; ++k) {
-                const float value = column[first + k];
+                float value = c.pixel[i + k] + c.share * c.rise[i + k] + c.bend * c.down[i + k];
+                if (whole) value += c.next_bend * c.down[i + k + 1];
                 t[k] += value;
                 l[k] = larger(l[k], t[k]);
                 r[k] = larger(r[k] + value, 0);
                 best[k] = larger(best[k], r[k]);
             }
-        std::copy_n(t.begin(), lanes, sums.total + first);
-        std::copy_n(l.begin(), lanes, sums.left + first);
-        std::copy_n(r.begin(), lanes, sums.right + first);
+        for (size_t k = 0; k < kLanes; ++k) {
+            total[i + k] = t[k];
+            left[i + k] = l[k];
+            right[i + k] = r[k];
+        }
     }
-    return *std::max_element(best.begin(), best.end());
+    return largest(best);
 }
 
-/// Lines through a and then b; `more` than those that `both` has already.
-template <bool more>
-[[gnu::always_inline]] inline void join_line(Sums a, Sums b, Sums both, size_t i, float& best) {
-    const float total = a.total[i] + b.total[i];
-    const float left = larger(a.left[i], a.total[i] + b.left[i]);
-    const float right = larger(b.right[i], b.total[i] + a.right[i]);
-    both.total[i] = more ? larger(both.total[i], total) : total;
-    both.left[i] = more ? larger(both.left[i], left) : left;
-    both.right[i] = more ? larger(both.right[i], right) : right;
-    best = larger(best, a.right[i] + b.left[i]);
-}
-
-template <bool more>
-[[gnu::always_inline]] inline float join_lines(Sums a, Sums b, Sums both, size_t count) {
-    Lanes best{};
-    size_t i = 0;
-    for (; i + kLanes <= count; i += kLanes)
-        for (size_t k = 0; k < kLanes; ++k) join_line<more>(a, b, both, i + k, best[k]);
-    for (; i < count; ++i) join_line<more>(a, b, both, i, best[0]);
-    return *std::max_element(best.begin(), best.end());
-}
-
+/// Sums over columns, and the largest one. Here as below, `count` is rounded up to whole kLanes.
 WAVEFOG_VECTOR_CLONES
-float join(Sums a, Sums b, Sums both, size_t count, bool more) {
-    return more ? join_lines<true>(a, b, both, count) : join_lines<false>(a, b, both, count);
+float add_columns(const std::array<Crossing, kLeaf>& columns, bool whole, size_t count, Sums sums) {
+    const auto [total, left, right] = sums;
+    return whole ? add_lines<true>(columns, count, total, left, right)
+                 : add_lines<false>(columns, count, total, left, right);
+}
+
+/// Lines through a and then b.
+struct Halves {
+    Sums a, b;
+};
+
+template <bool two>
+[[gnu::always_inline]] inline float join_lines(const Halves& one, const Halves& other, size_t count,
+                                               float* __restrict total, float* __restrict left,
+                                               float* __restrict right) {
+    // Copies, so that no store can change the pointers.
+    const auto [a_total, a_left, a_right] = one.a;
+    const auto [b_total, b_left, b_right] = one.b;
+    const auto [c_total, c_left, c_right] = other.a;
+    const auto [d_total, d_left, d_right] = other.b;
+    Lanes best{};
+    for (size_t first = 0; first < count; first += kLanes)
+        for (size_t k = 0; k < kLanes; ++k) {
+            const size_t i = first + k;
+            float t = a_total[i] + b_total[i];
+            float l = larger(a_left[i], a_total[i] + b_left[i]);
+            float r = larger(b_right[i], b_total[i] + a_right[i]);
+            float most = a_right[i] + b_left[i];
+            if (two) {
+                t = larger(t, c_total[i] + d_total[i]);
+                l = larger(l, larger(c_left[i], c_total[i] + d_left[i]));
+                r = larger(r, larger(d_right[i], d_total[i] + c_right[i]));
+                most = larger(most, c_right[i] + d_left[i]);
+            }
+            total[i] = t;
+            left[i] = l;
+            right[i] = r;
+            best[k] = larger(best[k], most);
+        }
+    return largest(best);
+}
+
+/// Of each, the larger one of `one` and, if there are `two`, of `other`.
+WAVEFOG_VECTOR_CLONES
+float join(const Halves& one, const Halves& other, bool two, size_t count, Sums both) {
+    const auto [total, left, right] = both;
+    return two ? join_lines<true>(one, other, count, total, left, right)
+               : join_lines<false>(one, other, count, total, left, right);
 }
 
 WAVEFOG_VECTOR_CLONES
 float join_best(const float* right, const float* left, size_t count) {
     Lanes best{};
-    size_t i = 0;
-    for (; i + kLanes <= count; i += kLanes)
+    for (size_t i = 0; i < count; i += kLanes)
         for (size_t k = 0; k < kLanes; ++k) best[k] = larger(best[k], right[i + k] + left[i + k]);
-    for (; i < count; ++i) best[0] = larger(best[0], right[i] + left[i]);
-    return *std::max_element(best.begin(), best.end());
+    return largest(best);
 }
 
 /// Lines that climb, through pixels of (column, row). Rows repeat: a line that leaves the map
 /// above comes in again below, with what is outside between them; no bound gets smaller by that.
+///
+/// A strip's sums are by how far lines climb (o) and where they enter (a = pixel * parts + part):
+/// at [(o * parts + part) * stride + pixel], with the first pixels again after the last, so that
+/// loops may go on to whole kLanes. Lines that climb by about as much, in all strips, need no
+/// others: a few climbs at a time, all stays in the processor's caches.
 class Climbing {
   public:
     /// Rows become columns if transposed, and their order is turned if mirrored.
-    Climbing(const LineField& field, bool transposed, bool mirrored, int parts)
-        : columns_(columns_of(field, transposed, mirrored)),
-          outside_(field.outside),
+    Climbing(const LineField& field, bool transposed, bool mirrored, int parts, Scratch& scratch)
+        : outside_(field.outside),
           repeats_(field.repeats),
           nearest_(field.degree == 0),
           cell_(transposed ? field.cell_z : field.cell_x),
           climb_(transposed ? field.cell_x : field.cell_z),
           parts_(static_cast<size_t>(parts)),
-          rows_(static_cast<size_t>(columns_.cols()) * parts_) {}
+          columns_(static_cast<size_t>(transposed ? field.pixels.rows() : field.pixels.cols())),
+          // Beside what does not repeat, one row of what is outside.
+          rows_(static_cast<size_t>(transposed ? field.pixels.cols() : field.pixels.rows()) +
+                (repeats_ ? 0 : 1)),
+          scratch_(scratch) {
+        scratch.clear();
+        met_ = scratch.take<float>(3 * kLeaf * met_stride_);
+        take_pixels(field.pixels, transposed, mirrored);
+        for (size_t above = 0; above < parts_ * kLeaf; ++above)
+            crossings_.push_back(crossing(double(above) / double(kLeaf)));
+    }
 
     double most(double longest, const std::stop_token& stop) {
         // Sums over so many columns lie in two neighbouring strips.
-        const auto count = static_cast<double>(columns_.rows());
+        const auto count = static_cast<double>(columns_);
         const double reach = longest / cell_ + 1;
         const double needed = repeats_ ? reach : std::min(reach, std::ceil(count / 2));
         size_t width = kLeaf;
-        while (double(width) < needed && 2 * width * parts_ * rows_ <= kMostSums) width *= 2;
+        while (double(width) < needed && 2 * width * parts_ * parts_ * rows_ <= kMostSums)
+            width *= 2;
         const double strips = std::ceil(count / double(width)) + (repeats_ ? 1 : 0);
         const double pieces = strips > 2 ? std::ceil(reach / double(width)) : 1;
-        std::optional<Strip> before;
-        for (size_t s = 0; double(s) < strips && !stop.stop_requested(); ++s) {
-            Strip strip = strip_of(s * width, width);
-            if (before) {
-                join_best(*before, strip, 2 * width);
-                spare_[width].push_back(std::move(*before));
+        while (together_ > 1 && together_ * (width / kLeaf) * parts_ * stride_ > kCached)
+            together_ /= 2;
+        for (size_t w = kLeaf; w < width; w *= 2) halves_.push_back({take(w), take(w)});
+        Sums strip = take(width), before = take(width);
+        for (lowest_ = 0; lowest_ < kLeaf * parts_; lowest_ += together_)
+            for (size_t s = 0; double(s) < strips && !stop.stop_requested(); ++s) {
+                make(s * width, width, strip);
+                if (s > 0) join_best(before, strip, 2 * width);
+                std::swap(before, strip);
             }
-            before = std::move(strip);
-        }
         // Sums of floats are off by half a last bit for each addition, of which none is behind
         // more.
-        const double most_value = std::max(double(columns_.abs().maxCoeff()), -double(outside_));
         const double additions = 2 * kLeaf + 8 + 2 * std::log2(double(width));
-        const double rounding =
-            additions * 0x1p-24 * 2 * double(width) * most_value * std::hypot(cell_, climb_);
+        const double rounding = additions * 0x1p-24 * 2 * double(width) * double(most_value_) *
+                                std::hypot(cell_, climb_);
         return (best_ + rounding) * pieces;
     }
 
   private:
-    /// Of a kind, in a strip: 128 MiB in all. Longer segments are several.
+    /// Of a kind, in a strip, for all climbs. Longer segments are several.
     static constexpr size_t kMostSums = (size_t{1} << 27) / (3 * sizeof(float));
+    /// Of those, for climbs that are looked at together: their first is their neighbours' last,
+    /// so that too few cost more than they save.
+    static constexpr size_t kCached = 160000;
 
-    static Grid<float> columns_of(const LineField& field, bool transposed, bool mirrored) {
-        const Grid<float>& pixels = field.pixels;
-        const Eigen::Index count = transposed ? pixels.rows() : pixels.cols();
-        const Eigen::Index rows = transposed ? pixels.cols() : pixels.rows();
-        // Beside what does not repeat, one row of what is outside.
-        Grid<float> columns =
-            Grid<float>::Constant(count, rows + (field.repeats ? 0 : 1), field.outside);
-        for (Eigen::Index j = 0; j < rows; ++j) {
-            const Eigen::Index row = mirrored ? rows - 1 - j : j;
-            for (Eigen::Index i = 0; i < count; ++i)
-                columns(i, row) = transposed ? pixels(i, j) : pixels(j, i);
+    /// Columns one after another.
+    void take_pixels(const Grid<float>& pixels, bool transposed, bool mirrored) {
+        pixels_ = scratch_.take<float>(columns_ * rows_);
+        const size_t inside = rows_ - (repeats_ ? 0 : 1);
+        most_value_ = -outside_;
+        for (size_t i = 0; i < columns_; ++i) {
+            float* const column = &pixels_[i * rows_];
+            const auto at = static_cast<Eigen::Index>(i);
+            for (size_t j = 0; j < inside; ++j) {
+                const auto row = static_cast<Eigen::Index>(mirrored ? inside - 1 - j : j);
+                column[j] = transposed ? pixels(at, row) : pixels(row, at);
+            }
+            std::fill_n(column + inside, rows_ - inside, outside_);
+            for (size_t j = 0; j < rows_; ++j)
+                most_value_ = larger(std::fabs(column[j]), most_value_);
         }
-        return columns;
     }
 
-    size_t climbs(size_t width) const { return width * parts_ + 1; }
+    /// Of those that are looked at together, in a strip: the first, and how many.
+    size_t first_climb(size_t width) const { return lowest_ * (width / kLeaf); }
+    size_t climbs(size_t width) const { return together_ * (width / kLeaf) + 1; }
 
-    Strip strip_of(size_t first, size_t width) {
-        // Memory of strips that are done with is at hand already.
-        std::vector<Strip>& spare = spare_[width];
-        if (spare.empty()) spare.emplace_back(climbs(width) * rows_);
-        Strip strip = std::move(spare.back());
-        spare.pop_back();
+    Sums take(size_t width) {
+        const size_t count = climbs(width) * parts_ * stride_;
+        const auto sums = [&] { return scratch_.take<float>(count).data(); };
+        return {sums(), sums(), sums()};
+    }
+
+    void make(size_t first, size_t width, Sums strip) {
         if (width == kLeaf) {
             add_columns(first, strip);
-            return strip;
+            return;
         }
-        Strip a = strip_of(first, width / 2), b = strip_of(first + width / 2, width / 2);
+        const auto& [a, b] = halves_[static_cast<size_t>(std::countr_zero(width / 2 / kLeaf))];
+        make(first, width / 2, a);
+        make(first + width / 2, width / 2, b);
         join(a, b, width, strip);
-        spare_[width / 2].push_back(std::move(a));
-        spare_[width / 2].push_back(std::move(b));
-        return strip;
     }
 
     /// `sum` was found on a line that climbs by o or up to one more in `width` columns.
@@ -209,97 +255,164 @@ class Climbing {
         best_ = std::max(best_, double(sum) * std::hypot(cell_, slope * climb_));
     }
 
-    /// Values in a column at a + phase / kLeaf parts, for all phases and a, the first of them again
-    /// after the last.
-    void sample(size_t column, float* values) {
-        const auto count = static_cast<size_t>(columns_.cols());
-        if (!repeats_ && column >= static_cast<size_t>(columns_.rows())) {
-            std::fill_n(values, kLeaf * row_, outside_);
+    const float* pixel_of(size_t place) const { return &met_[place * met_stride_]; }
+    const float* rise_of(size_t place) const { return pixel_of(kLeaf + place); }
+    const float* down_of(size_t place) const { return pixel_of(2 * kLeaf + place); }
+
+    /// What lines meet in a column, which is at `place` in its strip.
+    void meet(size_t column, size_t place) {
+        float* const pixel = &met_[place * met_stride_];
+        float* const rise = pixel + kLeaf * met_stride_;
+        float* const down = rise + kLeaf * met_stride_;
+        if (!repeats_ && column >= columns_) {
+            std::fill_n(pixel, met_stride_, outside_);
+            std::fill_n(rise, met_stride_, 0.0f);
+            std::fill_n(down, met_stride_, 0.0f);
             return;
         }
-        const float* pixel = &columns_(static_cast<Eigen::Index>(column) % columns_.rows(), 0);
-        rise_.resize(count);
-        down_.resize(count + 1);
-        for (size_t j = 0; j < count; ++j) {
-            const float next = pixel[(j + 1) % count], before = pixel[(j + count - 1) % count];
-            rise_[j] = next - pixel[j];
-            down_[j] = larger(2 * pixel[j] - before - next, 0);
+        std::copy_n(&pixels_[column % columns_ * rows_], rows_, pixel);
+        for (size_t j = rows_; j < met_stride_; ++j) pixel[j] = pixel[j - rows_];
+        const size_t last = met_stride_ - 1;
+        for (size_t j = 0; j < last; ++j) rise[j] = pixel[j + 1] - pixel[j];
+        if (nearest_) {
+            // A line that passes a pixel's edge may be on either side.
+            for (size_t j = 0; j < last; ++j) rise[j] = larger(rise[j], 0);
+            std::fill_n(down, last, 0.0f);
+            return;
         }
-        down_[count] = down_[0];
+        for (size_t j = 1; j < last; ++j)
+            down[j] = larger(2 * pixel[j] - pixel[j - 1] - pixel[j + 1], 0);
+        down[0] = down[rows_];
+    }
+
+    /// Of lines that are so many parts above a pixel, without what they meet.
+    Crossing crossing(double parts) const {
+        Crossing c{};
+        if (nearest_) {
+            c.share = parts > double(parts_ - 1) ? 1 : 0;
+            return c;
+        }
         const auto bend = [&](double distance) {
             return distance < 1 ? static_cast<float>(distance * (1 - distance) / double(parts_))
                                 : 0.0f;
         };
-        for (size_t phase = 0; phase < kLeaf; ++phase, values += row_) {
-            for (size_t r = 0; r < parts_; ++r) {
-                const double at = double(r) + double(phase) / double(kLeaf);  // parts above pixel j
-                if (nearest_) {
-                    // A line that passes a pixel's edge may be on either side.
-                    const bool edge = r + 1 == parts_ && phase > 0;
-                    for (size_t j = 0; j < count; ++j)
-                        values[j * parts_ + r] = pixel[j] + (edge ? larger(rise_[j], 0) : 0);
-                    continue;
-                }
-                const auto share = static_cast<float>(at / double(parts_));
-                const float low = bend(at), high = bend(double(parts_) - at);
-                for (size_t j = 0; j < count; ++j)
-                    values[j * parts_ + r] =
-                        pixel[j] + share * rise_[j] + low * down_[j] + high * down_[j + 1];
-            }
-            for (size_t a = rows_; a < row_; ++a) values[a] = values[a - rows_];
-        }
+        c.share = static_cast<float>(parts / double(parts_));
+        c.bend = bend(parts);
+        c.next_bend = bend(double(parts_) - parts);
+        return c;
     }
 
-    void add_columns(size_t first, Strip& strip) {
-        samples_.resize(kLeaf * kLeaf * row_);
-        for (size_t i = 0; i < kLeaf; ++i) sample(first + i, &samples_[i * kLeaf * row_]);
+    void add_columns(size_t first, Sums strip) {
+        for (size_t i = 0; i < kLeaf; ++i) meet(first + i, i);
         for (size_t o = 0; o < climbs(kLeaf); ++o) {
-            std::array<const float*, kLeaf> columns;
-            for (size_t i = 0; i < kLeaf; ++i)
-                columns[i] = &samples_[(i * kLeaf + o * i % kLeaf) * row_ + o * i / kLeaf];
-            found(wfog::add_columns(columns, rows_, Sums(strip, o * rows_)), o, kLeaf);
+            float best = 0;
+            for (size_t part = 0; part < parts_; ++part) {
+                std::array<Crossing, kLeaf> columns;
+                for (size_t i = 0; i < kLeaf; ++i) {
+                    const size_t climb = (first_climb(kLeaf) + o) * i;
+                    const Place at = up(part, climb / kLeaf);
+                    columns[i] = crossings_[at.part * kLeaf + climb % kLeaf];
+                    columns[i].pixel = pixel_of(i) + at.pixel;
+                    columns[i].rise = rise_of(i) + at.pixel;
+                    columns[i].down = down_of(i) + at.pixel;
+                    if (parts_ > 1 && columns[i].next_bend > 0) {
+                        columns[i].bend = columns[i].next_bend;
+                        ++columns[i].down;
+                    }
+                }
+                const Sums sums = strip.from((o * parts_ + part) * stride_);
+                best = larger(best, wfog::add_columns(columns, parts_ == 1, rows_, sums));
+                repeat(sums);
+            }
+            found(best, first_climb(kLeaf) + o, kLeaf);
         }
     }
 
-    /// body(at in the first, at in the second, at in both, how many, more than there are already)
-    /// for runs of lines that climb by o and, rounded either way, by half of it in the first strip.
+    /// The first pixels after the last.
+    void repeat(Sums sums) const {
+        for (float* const row : {sums.total, sums.left, sums.right})
+            for (size_t k = 0; k < kLanes; ++k) row[rows_ + k] = row[k];
+    }
+
+    struct Place {
+        size_t pixel, part;
+    };
+    /// `climb` parts above a part of pixel 0.
+    Place up(size_t part, size_t climb) const {
+        const auto above = static_cast<unsigned>(part + climb);  // divides sooner
+        const auto parts = static_cast<unsigned>(parts_);
+        return {above / parts, above % parts};
+    }
+
+    /// Where lines that go through two strips are in the sums of each.
+    struct InBoth {
+        size_t a, b;
+    };
+
+    /// body(one, other, in both, how many) for runs of lines that climb by the o-th of `width`:
+    /// in a by half of that, which `one` rounds down and `other` up, and in b by the rest.
     template <class Body>
-    void for_halves(size_t o, Body body) const {
-        for (size_t climb = o / 2; climb <= (o + 1) / 2; ++climb) {
-            const size_t first = climb * rows_, second = (o - climb) * rows_, both = o * rows_;
-            const size_t up = climb % rows_, before = rows_ - up;
-            const bool more = climb > o / 2;
-            body(first, second + up, both, before, more);
-            body(first + before, second, both + before, up, more);
+    void for_halves(size_t o, size_t width, Body body) const {
+        const size_t low = o / 2, high = o - low;
+        for (size_t part = 0; part < parts_; ++part) {
+            const size_t climb = first_climb(width / 2) + low;
+            const Place one = up(part, climb), other = up(part, climb + 1);
+            const auto at = [&](size_t half, size_t in) { return (half * parts_ + in) * stride_; };
+            const auto run = [&](size_t first, size_t in_b, size_t count) {
+                const size_t in_other = in_b + other.pixel - one.pixel;
+                body(InBoth{at(low, part) + first, at(high, one.part) + in_b},
+                     InBoth{at(high, part) + first, at(low, other.part) + in_other},
+                     at(o, part) + first, count);
+            };
+            // What is above the map is its lowest pixels again.
+            const size_t shift = one.pixel % rows_;
+            run(0, shift, rows_ - shift);
+            if (shift > 0) run(rows_ - shift, 0, shift);
         }
     }
 
-    void join(const Strip& a, const Strip& b, size_t width, Strip& both) {
-        for (size_t o = 0; o < climbs(width); ++o)
-            for_halves(o, [&](size_t in_a, size_t in_b, size_t in_both, size_t count, bool more) {
-                if (count == 0) return;
-                found(wfog::join(Sums(a, in_a), Sums(b, in_b), Sums(both, in_both), count, more), o,
-                      width);
+    void join(Sums a, Sums b, size_t width, Sums both) {
+        for (size_t o = 0; o < climbs(width); ++o) {
+            float best = 0;
+            for_halves(o, width, [&](InBoth one, InBoth other, size_t in_both, size_t count) {
+                const float most =
+                    wfog::join({a.from(one.a), b.from(one.b)}, {a.from(other.a), b.from(other.b)},
+                               o % 2 > 0, count, both.from(in_both));
+                best = larger(best, most);
             });
+            for (size_t part = 0; part < parts_; ++part)
+                repeat(both.from((o * parts_ + part) * stride_));
+            found(best, first_climb(width) + o, width);
+        }
     }
 
     /// Only the largest sums of lines that are in both.
-    void join_best(const Strip& a, const Strip& b, size_t width) {
-        for (size_t o = 0; o < climbs(width); ++o)
-            for_halves(o, [&](size_t in_a, size_t in_b, size_t, size_t count, bool) {
-                if (count == 0) return;
-                found(wfog::join_best(&a.right[in_a], &b.left[in_b], count), o, width);
+    void join_best(Sums a, Sums b, size_t width) {
+        for (size_t o = 0; o < climbs(width); ++o) {
+            float best = 0;
+            for_halves(o, width, [&](InBoth one, InBoth other, size_t, size_t count) {
+                best = larger(best, wfog::join_best(a.right + one.a, b.left + one.b, count));
+                if (o % 2 > 0)
+                    best =
+                        larger(best, wfog::join_best(a.right + other.a, b.left + other.b, count));
             });
+            found(best, first_climb(width) + o, width);
+        }
     }
 
-    const Grid<float> columns_;  ///< (column, row)
     const float outside_;
     const bool repeats_, nearest_;
     const double cell_, climb_;
-    const size_t parts_, rows_;
-    const size_t row_ = rows_ + kLeaf * parts_ + kLanes;  ///< of samples
-    std::map<size_t, std::vector<Strip>> spare_;          ///< by width
-    std::vector<float> rise_, down_, samples_;
+    const size_t parts_, columns_, rows_;
+    const size_t stride_ = (rows_ + 2 * kLanes - 1) / kLanes * kLanes;
+    const size_t met_stride_ = (rows_ + kLeaf + 2 * kLanes) / kLanes * kLanes;
+    Scratch& scratch_;
+    std::vector<Crossing> crossings_;  ///< by kLeaf-ths of a part above a pixel
+    std::span<float> pixels_;
+    std::span<float> met_;  ///< in a leaf's columns: pixels, then rises, then what bends down
+    float most_value_ = 0;
+    size_t lowest_ = 0, together_ = kLeaf;     ///< climbs of a leaf
+    std::vector<std::array<Sums, 2>> halves_;  ///< of strips, by their width
     double best_ = 0;
 };
 
@@ -308,8 +421,8 @@ class Climbing {
 double most_along_lines(std::span<const LineField> fields, double longest, int parts, int threads,
                         const std::stop_token& stop) {
     std::vector<double> most(4 * fields.size(), 0);
-    for_each_parallel(most.size(), threads, stop, [&](size_t i, Scratch&) {
-        most[i] = Climbing(fields[i / 4], i % 2 > 0, i % 4 > 1, parts).most(longest, stop);
+    for_each_parallel(most.size(), threads, stop, [&](size_t i, Scratch& scratch) {
+        most[i] = Climbing(fields[i / 4], i % 2 > 0, i % 4 > 1, parts, scratch).most(longest, stop);
     });
     return most.empty() ? 0 : std::ranges::max(most);
 }
