@@ -205,7 +205,7 @@ class Climbing {
 
   private:
     /// Of a kind, in a strip, for all climbs. Longer segments are several.
-    static constexpr size_t kMostSums = (size_t{1} << 27) / (3 * sizeof(float));
+    static constexpr size_t kMostSums = (size_t{1} << 31) / (3 * sizeof(float));
     /// Of those, for climbs that are looked at together: their first is their neighbours' last,
     /// so that too few cost more than they save.
     static constexpr size_t kCached = 160000;

@@ -71,9 +71,15 @@ PixelEncoder::PixelEncoder(const Fog& fog, const Source& source, const WfogOptio
     head_.stream_levels = default_stream_levels(d.width, d.height, head_.tile_bits);
 }
 
-Result<Trial> PixelEncoder::encode(double error, double coarseness) {
-    choose_scale(error, coarseness);
+Result<Trial> PixelEncoder::encode(double error) {
+    choose_scale(error);
     return encode_within(bounds_by(kTightness[0]));
+}
+
+Result<Trial> PixelEncoder::encode(double error, double coarseness, double coarser) {
+    find_scale(error, coarseness);
+    if (coarser == 1) return encode_within({.finest = allowed_});
+    return encode_within(tightened(allowed_, head_.stream_levels, {1, coarser}));
 }
 
 double PixelEncoder::saving(double error, double coarseness) {
@@ -185,8 +191,8 @@ bool PixelEncoder::holds(const Bytes& bytes, const PlaneStreams& streams) const 
     return true;
 }
 
-void PixelEncoder::choose_scale(double error, double coarseness) {
-    find_scale(error, coarseness);
+void PixelEncoder::choose_scale(double error) {
+    find_scale(error, 1);
     smooth_ = allowed_ > 1 && mostly_foretold(source_.map(), head_.scale, allowed_, 0.95);
 }
 

@@ -32,8 +32,11 @@ class PixelEncoder {
   public:
     PixelEncoder(const Fog& fog, const Source& source, const WfogOptions& options);
 
-    /// `coarseness`: how many times `error` the densest pixels may be off, at least 1.
-    Result<Trial> encode(double error, double coarseness = 1);
+    Result<Trial> encode(double error);
+
+    /// `coarseness`: how many times `error` the densest pixels may be off, at least 1. `coarser`:
+    /// the bound of every level as a share of the next one's, at most 1.
+    Result<Trial> encode(double error, double coarseness, double coarser);
 
     /// How many bits a pixel less the coarseness takes than 1, about.
     double saving(double error, double coarseness);
@@ -47,7 +50,7 @@ class PixelEncoder {
     std::optional<double> rms_of(const Bounds& bounds, Strips strips);
     Result<Trial> encode_within(const Bounds& bounds);
     bool holds(const Bytes& bytes, const PlaneStreams& streams) const;
-    void choose_scale(double error, double coarseness = 1);
+    void choose_scale(double error);
     void find_scale(double error, double coarseness);
 
     const Source& source_;
