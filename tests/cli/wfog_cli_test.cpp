@@ -187,7 +187,10 @@ TEST_CASE("the worst of the sampled rays is near the worst of all") {
         json_of(work.run({"convert", "map.tif", "-o", "map.wfog", "--extinction", "0.05",
                           "--max-transmittance-error", "0.02", "--path", "40", "--json"}));
     CHECK(facts.at("proved_dT") > 0.01);
-    CHECK(facts.at("worst_dT") <= facts.at("proved_dT"));
+    // Rays go through coefficients of floats, off by up to 16 * 2^-24 of the densest (1 here,
+    // decomposition.h), over an optical depth of 2; the proof is about the pixels.
+    CHECK(facts.at("worst_dT") <= facts.at("proved_dT").get<double>() + 2e-6);
+    CHECK(facts.at("worst_dT") <= 0.02);
     CHECK(facts.at("worst_dT") > 0.8 * facts.at("proved_dT").get<double>());
 }
 
